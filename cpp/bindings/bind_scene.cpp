@@ -1,0 +1,125 @@
+#include "bindings/bind_scene.hpp"
+
+#include <memory>
+
+#include "bindings/arrays.hpp"
+#include "effect/elasticity_kernel.hpp"
+#include "scene/solver.hpp"
+
+namespace glossa::python {
+namespace {
+
+template <class T>
+Rows<T> rows(const std::vector<Index>& start, std::vector<T> values, const char* name) {
+  require(!start.empty() && start.front() == 0 && start.back() == static_cast<Index>(values.size()),
+          std::string(name) + ": row starts must begin with 0 and end with the number of values");
+  for (std::size_t k = 1; k < start.size(); ++k)
+    require(start[k] >= start[k - 1], std::string(name) + ": row starts must not decrease");
+  Rows<T> result;
+  result.start = start;
+  result.values = std::move(values);
+  return result;
+}
+
+Macrofibres macrofibres(const py::dict& d) {
+  Macrofibres fibres;
+  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
+  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
+  fibres.nodes = rows(ints("node_start"), ints("nodes"), "fibre nodes");
+  fibres.muscle = ints("muscle");
+  fibres.capacity = reals("capacity");
+  fibres.length_factor = reals("length_factor");
+  fibres.rest_length = reals("rest_length");
+  const auto elements = ints("stiffened_elements");
+  const auto gains = reals("stiffening_gains");
+  require(elements.size() == gains.size(), "stiffened elements and gains must have one length");
+  std::vector<Stiffened> stiffened;
+  for (std::size_t k = 0; k < elements.size(); ++k) stiffened.push_back({elements[k], gains[k]});
+  fibres.stiffened = rows(ints("stiffened_start"), std::move(stiffened), "stiffened elements");
+  return fibres;
+}
+
+ElementKind element_kind(const std::string& name) {
+  if (name == "Q1P0") return ElementKind::q1p0;
+  require(name == "Q1", "element must be 'Q1P0' or 'Q1', it is '" + name + "'");
+  return ElementKind::q1;
+}
+
+std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& hexahedra, const py::dict& fibres,
+                                    const py::kwargs& given) {
+  require(hexahedra.ndim() == 2 && hexahedra.shape(1) == 8, "hexahedra: shape must be (m, 8)");
+  std::vector<Hexahedron> elements(static_cast<std::size_t>(hexahedra.shape(0)));
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    std::copy(hexahedra.data() + 8 * e, hexahedra.data() + 8 * (e + 1), elements[e].begin());
+  SceneOptions options;
+  options.fibres = macrofibres(fibres);
+  options.muscle_count = given["muscle_count"].cast<Index>();
+  options.tissue = {given["c10"].cast<double>(), given["c20"].cast<double>(), given["bulk_modulus"].cast<double>()};
+  options.density = given["density"].cast<double>();
+  options.element = element_kind(given["element"].cast<std::string>());
+  options.force_law.c = given["firing_gradient"].cast<double>();
+  options.force_law.force_velocity = given["force_velocity"].cast<bool>();
+  options.stiffening = given["stiffening"].cast<bool>();
+  options.reflex.reset();
+  if (!given["reflex"].is_none()) {
+    const auto [delay, gain] = given["reflex"].cast<std::pair<double, double>>();
+    options.reflex = Reflex{delay, gain};
+  }
+  const auto [alpha, beta] = given["damping"].cast<std::pair<double, double>>();
+  options.damping = {alpha, beta};
+  if (!given["gravity"].is_none()) {
+    const auto g = given["gravity"].cast<std::array<double, 3>>();
+    options.gravity = Vector3(g[0], g[1], g[2]);
+  }
+  options.free = to_vector(given["free"].cast<ByteArray>());
+  options.threads = given["threads"].cast<int>();
+  return std::make_unique<Solver>(Scene(HexMesh(to_field(nodes, "nodes"), std::move(elements)), std::move(options)));
+}
+
+std::vector<bool> commanded(const std::vector<double>& fractions) {
+  std::vector<bool> flags;
+  for (const double x : fractions) {
+    require(std::isnan(x) || (std::isfinite(x) && x > 0.0),
+            "commands: lambda must be positive (NaN for a silent muscle), it is " + std::to_string(x));
+    flags.push_back(!std::isnan(x));
+  }
+  return flags;
+}
+
+Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const DoubleArray& start,
+                            const py::object& pressure, const DoubleArray& target, const ByteArray& free,
+                            const py::object& load, double tolerance, int max_iterations, bool quasi_newton) {
+  const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
+  const std::vector<double> command = to_vector(fractions);
+  const std::shared_ptr<System> shared = solver.system(to_vector(free), commanded(command));
+  System& system = *shared;
+  system.set_command(command);
+  system.set_load(load.is_none() ? NodeField{} : to_field(load.cast<DoubleArray>(), "loads", nodes));
+  EquilibriumOptions options;
+  options.tolerance = tolerance;
+  options.max_iterations = max_iterations;
+  options.quasi_newton = quasi_newton;
+  options.interrupt = interrupted;
+  const NodeField from = to_field(start, "start", nodes);
+  const NodeField to = to_field(target, "target", nodes);
+  std::vector<double> p;
+  if (!pressure.is_none()) p = to_vector(pressure.cast<DoubleArray>());
+  require(p.empty() || p.size() == static_cast<std::size_t>(solver.scene().mesh().element_count()),
+          "pressure: one value per hexahedron is needed");
+  return released([&] { return equilibrate(system, from, p, to, options); });
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+  py::class_<Solver>(module, "Solver",
+                     "A scene with its solvers: elements, macrofibres and the effects that act. See glossa.Scene.")
+      .def(py::init(&make_solver), py::arg("nodes"), py::arg("hexahedra"), py::arg("fibres"))
+      .def("equilibrate", &run_equilibrate, py::kw_only(), py::arg("fractions"), py::arg("start"),
+           py::arg("pressure") = py::none(), py::arg("target"), py::arg("free"), py::arg("load") = py::none(),
+           py::arg("tolerance") = 1e-8, py::arg("max_iterations") = 150, py::arg("quasi_newton") = true,
+           "Static equilibrium; see glossa.Scene.equilibrate.");
+  module.def("kernel_name", &kernel_name, "Instruction set of the element kernels on this machine.");
+}
+
+}  // namespace glossa::python

@@ -1,0 +1,175 @@
+#include "effect/elasticity.hpp"
+
+#include <algorithm>
+
+#include <Eigen/LU>
+
+#include "core/parallel.hpp"
+#include "mesh/hex_element.hpp"
+
+namespace glossa {
+namespace {
+
+Matrix3 rest_jacobian(const HexMesh& mesh, const Hexahedron& element, const hex::CornerGradients& gradient) {
+  Matrix3 jacobian = Matrix3::Zero();
+  for (std::size_t a = 0; a < hex::corners; ++a)
+    jacobian += at(mesh.nodes(), element[a]) * gradient.col(static_cast<Eigen::Index>(a)).transpose();
+  return jacobian;
+}
+
+void fill_lane(const HexMesh& mesh, std::size_t element, RestBatch& batch, std::size_t lane) {
+  const Hexahedron& corners = mesh.hexahedra()[element];
+  batch.volume[lane] = 0.0;
+  for (std::size_t q = 0; q < hex::points; ++q) {
+    const hex::CornerGradients natural = hex::shape_gradient(hex::gauss_point(q));
+    const Matrix3 jacobian = rest_jacobian(mesh, corners, natural);
+    const hex::CornerGradients gradient = jacobian.inverse().transpose() * natural;
+    for (std::size_t a = 0; a < hex::corners; ++a)
+      for (std::size_t i = 0; i < 3; ++i)
+        batch.gradient[q][a][i][lane] = gradient(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a));
+    batch.weight[q][lane] = jacobian.determinant();
+    batch.volume[lane] += batch.weight[q][lane];
+  }
+  for (std::size_t a = 0; a < hex::corners; ++a) batch.corner[a][lane] = corners[a];
+}
+
+}  // namespace
+
+std::shared_ptr<const RestBatches> rest_batches(const HexMesh& mesh) {
+  const auto count = static_cast<std::size_t>(mesh.element_count());
+  auto batches = std::make_shared<RestBatches>((count + lanes - 1) / lanes);
+  for (std::size_t e = 0; e < batches->size() * lanes; ++e)
+    // Lanes beyond the last element repeat it; their results are never read.
+    fill_lane(mesh, std::min(e, count - 1), (*batches)[e / lanes], e % lanes);
+  return batches;
+}
+
+std::vector<double> element_masses(const HexMesh& mesh, double density) {
+  std::vector<double> masses;
+  masses.reserve(36 * mesh.hexahedra().size());
+  for (const Hexahedron& element : mesh.hexahedra()) {
+    std::array<double, 36> pair_mass{};
+    for (std::size_t q = 0; q < hex::points; ++q) {
+      const auto xi = hex::gauss_point(q);
+      const double w = density * rest_jacobian(mesh, element, hex::shape_gradient(xi)).determinant();
+      const hex::CornerValues n = hex::shape(xi);
+      std::size_t pair = 0;
+      for (std::size_t b = 0; b < hex::corners; ++b)
+        for (std::size_t a = 0; a <= b; ++a, ++pair) pair_mass[pair] += w * n[a] * n[b];
+    }
+    masses.insert(masses.end(), pair_mass.begin(), pair_mass.end());
+  }
+  return masses;
+}
+
+Elasticity::Elasticity(const HexMesh& mesh, std::shared_ptr<const RestBatches> batches, Yeoh law, ElementKind kind,
+                       int threads)
+    : mesh_(mesh), batches_(std::move(batches)), law_(law), kind_(kind), threads_(threads) {
+  const std::size_t padded = padded_count();
+  force_.resize(padded * element_force_size);
+  for (auto* field : {&dilatation_, &isochoric_energy_, &volumetric_energy_, &least_jacobian_}) field->resize(padded);
+  source_start_.assign(static_cast<std::size_t>(mesh.node_count()) + 1, 0);
+  for (const Hexahedron& element : mesh.hexahedra())
+    for (const Index node : element) ++source_start_[static_cast<std::size_t>(node) + 1];
+  for (std::size_t n = 1; n < source_start_.size(); ++n) source_start_[n] += source_start_[n - 1];
+  source_.resize(static_cast<std::size_t>(source_start_.back()));
+  std::vector<Index> next(source_start_.begin(), source_start_.end() - 1);
+  for (std::size_t e = 0; e < mesh.hexahedra().size(); ++e)
+    for (std::size_t a = 0; a < hex::corners; ++a)
+      source_[static_cast<std::size_t>(next[static_cast<std::size_t>(mesh.hexahedra()[e][a])]++)] =
+          static_cast<Index>(8 * e + a);
+}
+
+ElasticSweep Elasticity::sweep(const Trial& trial, bool with_tangent) {
+  ElasticSweep sweep;
+  sweep.batches = batches_->data();
+  sweep.law = law_;
+  sweep.mean_dilatation = kind_ == ElementKind::q1p0;
+  sweep.positions = trial.positions.data();
+  sweep.isochoric_scale = trial.isochoric_scale.data();
+  sweep.volumetric_scale = trial.elastic_share;
+  sweep.pressure = trial.pressure.data();
+  sweep.force = force_.data();
+  sweep.dilatation = dilatation_.data();
+  sweep.isochoric_energy = isochoric_energy_.data();
+  sweep.volumetric_energy = volumetric_energy_.data();
+  sweep.least_jacobian = least_jacobian_.data();
+  if (with_tangent) {
+    tangent_.resize(padded_count() * element_tangent_size);
+    volume_gradient_.resize(padded_count() * element_force_size);
+    sweep.tangent = tangent_.data();
+    sweep.volume_gradient = volume_gradient_.data();
+  }
+  return sweep;
+}
+
+void Elasticity::add_force(const Trial& trial, NodeField& force) {
+  const ElasticSweep job = sweep(trial, false);
+  parallel_ranges(static_cast<int>(batches_->size()), threads_,
+                  [&](int begin, int end) { sweep_elements(job, begin, end); });
+  parallel_ranges(mesh_.node_count(), threads_, [&](int begin, int end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      double sum[3] = {0.0, 0.0, 0.0};
+      for (Index s = source_start_[n]; s < source_start_[n + 1]; ++s) {
+        const double* from = force_.data() + 3 * static_cast<std::size_t>(source_[static_cast<std::size_t>(s)]);
+        for (int i = 0; i < 3; ++i) sum[i] += from[i];
+      }
+      for (std::size_t i = 0; i < 3; ++i) force[3 * n + i] += sum[i];
+    }
+  });
+}
+
+void Elasticity::add_tangent(const Trial& trial, BlockMatrix& matrix) {
+  const ElasticSweep job = sweep(trial, true);
+  parallel_ranges(static_cast<int>(batches_->size()), threads_,
+                  [&](int begin, int end) { sweep_elements(job, begin, end); });
+  matrix.gather(tangent_, mass_scale_, threads_);
+}
+
+double Elasticity::energy(const Trial& trial) const {
+  double sum = 0.0;
+  for (std::size_t e = 0; e < mesh_.hexahedra().size(); ++e)
+    sum += trial.isochoric_scale[e] * isochoric_energy_[e] + trial.elastic_share * volumetric_energy_[e];
+  return sum;
+}
+
+void Elasticity::multiply(const NodeField& x, NodeField& product) const {
+  product.assign(x.size(), 0.0);
+  for (std::size_t e = 0; e < mesh_.hexahedra().size(); ++e) {
+    const Hexahedron& nodes = mesh_.hexahedra()[e];
+    const double* block = tangent_.data() + e * element_tangent_size;
+    for (std::size_t b = 0; b < hex::corners; ++b)
+      for (std::size_t a = 0; a <= b; ++a, block += 9) {
+        const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> K(block);
+        Eigen::Map<Vector3>(product.data() + 3 * nodes[a]) += K * at(x, nodes[b]);
+        if (a != b) Eigen::Map<Vector3>(product.data() + 3 * nodes[b]) += K.transpose() * at(x, nodes[a]);
+      }
+  }
+}
+
+void Elasticity::predict_pressure(const NodeField& dx, double step, std::vector<double>& pressure) const {
+  for (std::size_t e = 0; e < mesh_.hexahedra().size(); ++e) {
+    const double* b = volume_gradient_.data() + e * element_force_size;
+    double change = 0.0;
+    for (std::size_t a = 0; a < hex::corners; ++a)
+      for (std::size_t i = 0; i < 3; ++i) change += b[3 * a + i] * dx[3 * static_cast<std::size_t>(mesh_.hexahedra()[e][a]) + i];
+    const double predicted = law_.kappa * (dilatation_[e] - 1.0 + change / mesh_.volume(static_cast<Index>(e)));
+    pressure[e] += step * (predicted - pressure[e]);
+  }
+}
+
+void Elasticity::set_pressure(std::vector<double>& pressure) const {
+  for (std::size_t e = 0; e < mesh_.hexahedra().size(); ++e) pressure[e] = law_.pressure(dilatation_[e]);
+}
+
+double Elasticity::least_jacobian() const {
+  return *std::min_element(least_jacobian_.begin(), least_jacobian_.begin() + mesh_.element_count());
+}
+
+Index Elasticity::worst_element() const {
+  return static_cast<Index>(
+      std::min_element(least_jacobian_.begin(), least_jacobian_.begin() + mesh_.element_count()) -
+      least_jacobian_.begin());
+}
+
+}  // namespace glossa

@@ -1,0 +1,221 @@
+// Compiled once for each instruction set, with GLOSSA_KERNEL naming it. Uses no library templates, so that no code
+// of the wider instruction set can reach the rest of the program.
+#include "effect/elasticity_kernel.hpp"
+
+#include "core/pack.hpp"
+
+#ifndef GLOSSA_KERNEL
+#error "GLOSSA_KERNEL must name the instruction set"
+#endif
+
+namespace glossa::GLOSSA_KERNEL {
+namespace {
+
+GLOSSA_ALWAYS_INLINE Pack load(const double* from) {
+  Pack value;
+  __builtin_memcpy(&value, from, sizeof value);
+  return value;
+}
+GLOSSA_ALWAYS_INLINE void store(double* to, Pack value) { __builtin_memcpy(to, &value, sizeof value); }
+GLOSSA_ALWAYS_INLINE Pack smaller(Pack a, Pack b) { return a < b ? a : b; }
+
+struct PointState {
+  Pack F[3][3];
+  Pack H[3][3];  // F^(-T)
+  Pack J;
+  Pack trace;
+};
+
+inline void deform(const double gradient[8][3][lanes], const Pack x[8][3], PointState& s) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      Pack sum = x[0][i] * load(gradient[0][j]);
+      for (int a = 1; a < 8; ++a) sum += x[a][i] * load(gradient[a][j]);
+      s.F[i][j] = sum;
+    }
+  const auto& F = s.F;
+  Pack cofactor[3][3];
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      cofactor[i][j] = F[i1][j1] * F[i2][j2] - F[i1][j2] * F[i2][j1];
+    }
+  }
+  s.J = F[0][0] * cofactor[0][0] + F[0][1] * cofactor[0][1] + F[0][2] * cofactor[0][2];
+  const Pack inverse = 1.0 / s.J;
+  s.trace = splat(0.0);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      s.H[i][j] = cofactor[i][j] * inverse;
+      s.trace += F[i][j] * F[i][j];
+    }
+}
+
+// Coefficients of the tangent at one Gauss point, weight and stage scale included.
+struct Coefficients {
+  Pack ff, fg, gg, swap, identity;
+};
+
+inline void add_tangent(const double gradient[8][3][lanes], const Pack f[8][3], const Pack g[8][3],
+                        const Coefficients& c, Pack K[36][9]) {
+  int pair = 0;
+  for (int b = 0; b < 8; ++b) {
+    Pack h[3], k[3], swapped[3], G[3];
+    for (int j = 0; j < 3; ++j) {
+      h[j] = c.ff * f[b][j] + c.fg * g[b][j];
+      k[j] = c.fg * f[b][j] + c.gg * g[b][j];
+      swapped[j] = c.swap * g[b][j];
+      G[j] = c.identity * load(gradient[b][j]);
+    }
+    for (int a = 0; a <= b; ++a, ++pair) {
+      Pack* block = K[pair];
+      const Pack diagonal = load(gradient[a][0]) * G[0] + load(gradient[a][1]) * G[1] + load(gradient[a][2]) * G[2];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          block[3 * i + j] += f[a][i] * h[j] + g[a][i] * k[j] + swapped[i] * g[a][j];
+      block[0] += diagonal;
+      block[4] += diagonal;
+      block[8] += diagonal;
+    }
+  }
+}
+
+struct Totals {
+  Pack force[8][3];
+  Pack volume_gradient[8][3];
+  Pack K[36][9];
+  Pack isochoric, volumetric, volume, least;
+};
+
+template <bool mean_dilatation, bool with_tangent>
+inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pack x[8][3], Pack scale, Pack pressure,
+                      Totals& t) {
+  const double c10 = sweep.law.c10, c20 = sweep.law.c20, kappa = sweep.law.kappa, vscale = sweep.volumetric_scale;
+  for (int q = 0; q < 8; ++q) {
+    PointState s;
+    deform(rest.gradient[q], x, s);
+    const Pack w = load(rest.weight[q]);
+    const Pack cube = inverse_cube_root(s.J);
+    const Pack a = cube * cube;
+    const Pack i1 = a * s.trace - 3.0;
+    const Pack slope = c10 + (2.0 * c20) * i1;
+    const Pack third = s.trace * (1.0 / 3.0);
+    const Pack stress = scale * w * slope * 2.0 * a;
+    t.isochoric += w * (c10 + c20 * i1) * i1;
+    t.volume += w * s.J;
+    t.least = smaller(t.least, s.J);
+    const Pack wJ = w * s.J;
+    Pack point_pressure = pressure;
+    if constexpr (!mean_dilatation) {
+      point_pressure = kappa * (s.J - 1.0);
+      t.volumetric += w * (0.5 * kappa) * (s.J - 1.0) * (s.J - 1.0);
+    }
+
+    Pack f[8][3], g[8][3];
+    for (int n = 0; n < 8; ++n) {
+      const Pack G0 = load(rest.gradient[q][n][0]), G1 = load(rest.gradient[q][n][1]), G2 = load(rest.gradient[q][n][2]);
+      for (int i = 0; i < 3; ++i) {
+        f[n][i] = s.F[i][0] * G0 + s.F[i][1] * G1 + s.F[i][2] * G2;
+        g[n][i] = s.H[i][0] * G0 + s.H[i][1] * G1 + s.H[i][2] * G2;
+        t.force[n][i] += stress * (f[n][i] - third * g[n][i]);
+        t.volume_gradient[n][i] += wJ * g[n][i];
+        if constexpr (!mean_dilatation)
+          t.force[n][i] += vscale * point_pressure * wJ * g[n][i];
+      }
+    }
+    if constexpr (with_tangent) {
+      const Pack rank = scale * w * (8.0 * c20) * a * a;  // W'' dI dI', dI_a = 2 a (f_a - t/3 g_a)
+      const Pack geometric = vscale * point_pressure * wJ;
+      Coefficients c;
+      c.ff = rank;
+      c.fg = -(2.0 / 3.0) * stress - rank * third;
+      c.gg = (2.0 / 3.0) * stress * third + rank * third * third + geometric;
+      c.swap = stress * third - geometric;
+      c.identity = stress;
+      if constexpr (!mean_dilatation) c.gg += vscale * kappa * wJ * s.J;
+      add_tangent(rest.gradient[q], f, g, c, t.K);
+    }
+  }
+}
+
+template <bool mean_dilatation, bool with_tangent>
+void sweep_batch(const ElasticSweep& sweep, int batch) {
+  const RestBatch& rest = sweep.batches[batch];
+  const std::size_t first = static_cast<std::size_t>(batch) * lanes;
+  Pack x[8][3];
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i)
+      for (int lane = 0; lane < lanes; ++lane) x[n][i][lane] = sweep.positions[3 * rest.corner[n][lane] + i];
+
+  Totals t;
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i) t.force[n][i] = t.volume_gradient[n][i] = splat(0.0);
+  t.isochoric = t.volumetric = t.volume = splat(0.0);
+  t.least = splat(1e300);
+  if constexpr (with_tangent)
+    for (int k = 0; k < 36; ++k)
+      for (int c = 0; c < 9; ++c) t.K[k][c] = splat(0.0);
+
+  const Pack scale = load(sweep.isochoric_scale + first);
+  const Pack pressure = with_tangent ? load(sweep.pressure + first) : splat(0.0);
+  integrate<mean_dilatation, with_tangent>(sweep, rest, x, scale, pressure, t);
+
+  const Pack V = load(rest.volume);
+  const Pack theta = t.volume / V;
+  if constexpr (mean_dilatation) {
+    const double kappa = sweep.law.kappa;
+    const Pack p = sweep.volumetric_scale * kappa * (theta - 1.0);
+    t.volumetric = V * (0.5 * kappa) * (theta - 1.0) * (theta - 1.0);
+    for (int n = 0; n < 8; ++n)
+      for (int i = 0; i < 3; ++i) t.force[n][i] += p * t.volume_gradient[n][i];
+    if constexpr (with_tangent) {
+      const Pack bulk = (sweep.volumetric_scale * kappa) / V;
+      int pair = 0;
+      for (int b = 0; b < 8; ++b)
+        for (int a = 0; a <= b; ++a, ++pair)
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+              t.K[pair][3 * i + j] += bulk * t.volume_gradient[a][i] * t.volume_gradient[b][j];
+    }
+  }
+
+  store(sweep.dilatation + first, theta);
+  store(sweep.isochoric_energy + first, t.isochoric);
+  store(sweep.volumetric_energy + first, t.volumetric);
+  store(sweep.least_jacobian + first, t.least);
+  for (int lane = 0; lane < lanes; ++lane) {
+    double* force = sweep.force + (first + static_cast<std::size_t>(lane)) * element_force_size;
+    for (int n = 0; n < 8; ++n)
+      for (int i = 0; i < 3; ++i) force[3 * n + i] = t.force[n][i][lane];
+  }
+  if constexpr (with_tangent)
+    for (int lane = 0; lane < lanes; ++lane) {
+      double* tangent = sweep.tangent + (first + static_cast<std::size_t>(lane)) * element_tangent_size;
+      for (int k = 0; k < 36; ++k)
+        for (int c = 0; c < 9; ++c) tangent[9 * k + c] = t.K[k][c][lane];
+      double* volume = sweep.volume_gradient + (first + static_cast<std::size_t>(lane)) * element_force_size;
+      for (int n = 0; n < 8; ++n)
+        for (int i = 0; i < 3; ++i) volume[3 * n + i] = t.volume_gradient[n][i][lane];
+    }
+}
+
+}  // namespace
+
+void sweep_elements(const ElasticSweep& sweep, int begin, int end) {
+  for (int batch = begin; batch < end; ++batch) {
+    if (sweep.mean_dilatation) {
+      if (sweep.tangent)
+        sweep_batch<true, true>(sweep, batch);
+      else
+        sweep_batch<true, false>(sweep, batch);
+    } else {
+      if (sweep.tangent)
+        sweep_batch<false, true>(sweep, batch);
+      else
+        sweep_batch<false, false>(sweep, batch);
+    }
+  }
+}
+
+}  // namespace glossa::GLOSSA_KERNEL

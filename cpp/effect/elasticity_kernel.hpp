@@ -1,0 +1,67 @@
+// The inner loop of tissue elasticity: four hexahedra at a time, one in each lane of a Pack.
+//
+// Mean dilatation (Q1/P0; Nagtegaal, Parks & Rice 1974; Simo, Taylor & Pister 1985): the energy of an element is
+//   E = s Sum_g w_g Wiso(F_g) + V U(theta),   theta = v / V = (1 / V) Sum_g w_g J_g,   U = (kappa / 2)(theta - 1)^2,
+// so that only the mean volume is penalised and the element does not lock at nu = 0.499.
+// With H = F^(-T), spatial gradients g_a = H G_a, f_a = F G_a and b_a = Sum_g w_g J_g g_a = dv/dx_a:
+//   force    f_a  = s Sum w W'(I) 2 a (f_a - (t/3) g_a) + kappa (theta - 1) b_a,           a = J^(-2/3), t = tr F^T F
+//   tangent  K_ab = s Sum w { W' 2 a [ (G_a.G_b) 1 - 2/3 (f_a g_b' + g_a f_b') + (2t/9) g_a g_b' + (t/3) g_b g_a' ]
+//                             + W'' dI_a dI_b' } + p Sum w J (g_a g_b' - g_b g_a') + (kappa / V) b_a b_b'
+// The pressure p of the geometric term is an unknown of its own (p = kappa (theta - 1) at convergence): taking it from
+// the last linear prediction instead of the current dilatation is Newton's method on the mixed problem and keeps the
+// tangent positive definite far from the solution.
+// Plain Q1 puts the volumetric law at every Gauss point; it locks and serves for comparison.
+#pragma once
+
+#include <cstddef>
+
+#include "core/index.hpp"
+#include "core/lanes.hpp"
+#include "material/yeoh.hpp"
+
+namespace glossa {
+
+/// Rest data of four hexahedra: reference gradients and integration weights.
+struct alignas(32) RestBatch {
+  double gradient[8][8][3][lanes];  ///< [Gauss point][corner][direction][lane], 1/m
+  double weight[8][lanes];          ///< m3
+  double volume[lanes];             ///< m3
+  Index corner[8][lanes];           ///< node of each corner
+};
+
+inline constexpr std::size_t element_force_size = 24;     ///< 8 corners x 3
+inline constexpr std::size_t element_tangent_size = 324;  ///< 36 corner pairs (a <= b) x 3 x 3, row-major blocks
+
+/// What one sweep over the elements reads and writes. Per-element arrays are padded to whole batches.
+struct ElasticSweep {
+  const RestBatch* batches = nullptr;
+  Yeoh law{};
+  bool mean_dilatation = true;
+  const double* positions = nullptr;         ///< current node positions, m
+  const double* isochoric_scale = nullptr;   ///< per element: s of eq. 1 times the scale of the stage
+  double volumetric_scale = 1.0;             ///< scale of the volumetric part
+  const double* pressure = nullptr;          ///< per element: p of the geometric term (tangent only), Pa
+
+  double* force = nullptr;             ///< out, element_force_size per element, N
+  double* tangent = nullptr;           ///< out or null, element_tangent_size per element, N/m
+  double* volume_gradient = nullptr;   ///< out with the tangent: b = dv/dx, element_force_size per element, m2
+  double* dilatation = nullptr;        ///< out: theta per element
+  double* isochoric_energy = nullptr;  ///< out: Sum_g w Wiso at s = 1 per element, J
+  double* volumetric_energy = nullptr; ///< out, J
+  double* least_jacobian = nullptr;    ///< out: smallest J over the Gauss points per element
+};
+
+/// Sweeps the batches [begin, end). The widest instruction set of this processor is chosen at run time.
+void sweep_elements(const ElasticSweep& sweep, int begin, int end);
+
+/// Instruction set that sweep_elements uses here: "avx2" or "baseline".
+const char* kernel_name();
+
+namespace baseline {
+void sweep_elements(const ElasticSweep& sweep, int begin, int end);
+}
+namespace avx2 {
+void sweep_elements(const ElasticSweep& sweep, int begin, int end);
+}
+
+}  // namespace glossa

@@ -1,0 +1,252 @@
+// Which steps are taken; what one step is lies in time_step.cpp.
+#include "scene/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "muscle/stiffening.hpp"
+
+namespace glossa {
+namespace {
+
+constexpr double smallest_part = 1.0 / 64.0;  // of a step, before it is given up
+constexpr int echoes = 2;  // how often a corner of the commands is honoured again after one delay
+
+}  // namespace
+
+Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options, const NodeField& positions,
+                       const std::vector<double>& pressure, double time)
+    : shared_(std::move(system)), system_(*shared_), commands_(std::move(commands)), options_(options) {
+  require(std::isfinite(options_.max_step) && options_.max_step > 0.0,
+          "time step must be positive and finite, it is " + std::to_string(options_.max_step) + " s");
+  require(std::isfinite(options_.error_tolerance) && options_.error_tolerance >= 0.0,
+          "error tolerance must be finite and not negative");
+  require(std::isfinite(options_.tolerance) && options_.tolerance > 0.0, "tolerance must be positive and finite");
+  require(std::isfinite(time), "start time must be finite");
+  state_.time = time;
+  state_.positions = positions;
+  state_.velocities.assign(positions.size(), 0.0);
+  state_.pressure.assign(system_.elasticity().padded_count(), 0.0);
+  std::copy(pressure.begin(), pressure.end(), state_.pressure.begin());
+
+  Trial trial = system_.rest_trial();
+  trial.positions = positions;
+  system_.set_command(commands_.at(time, true));
+  system_.measure(trial);
+  if (const MuscleForce* muscles = system_.muscles()) {
+    state_.history = DelayHistory(time, muscles->lengths());
+    if (delayed()) given_activation(time, true, trial.activation);
+  }
+  state_.stiffening = stiffening_of(trial.activation);
+  state_.activation = trial.activation;
+  trial.isochoric_scale = state_.stiffening;
+  NodeField force;
+  system_.force(trial, force);
+  require(system_.elasticity().least_jacobian() > 0.0,
+          "start: hexahedron " + std::to_string(system_.elasticity().worst_element()) + " is inverted");
+  if (pressure.empty()) system_.elasticity().set_pressure(state_.pressure);
+  state_.tension = system_.muscles() ? system_.muscles()->tensions() : std::vector<double>{};
+  state_.momentum_rate = force;
+  for (double& x : state_.momentum_rate) x = -x;
+  tissue_force(positions, state_.stiffening, 1.0, state_.momentum);
+  for (double& x : state_.momentum) x *= system_.scene().options().damping.beta;
+  scale_ = system_.force_scale();
+  next_step_ = options_.error_tolerance > 0.0 ? std::min(longest_step(), 1e-3) : longest_step();
+}
+
+bool Simulation::delayed() const {
+  const auto& reflex = system_.scene().options().reflex;
+  return reflex && reflex->delay > 0.0 && system_.muscles() != nullptr;
+}
+
+double Simulation::longest_step() const {
+  // Delayed rates are known up to the midpoint of the last step.
+  return delayed() ? std::min(options_.max_step, system_.scene().options().reflex->delay / 1.5) : options_.max_step;
+}
+
+double Simulation::next_breakpoint(double until) const {
+  const double delay = delayed() ? system_.scene().options().reflex->delay : 0.0;
+  const double beyond = state_.time + 1e-9 * (1.0 + std::abs(state_.time));
+  double next = until;
+  for (const double corner : commands_.corners())
+    for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo) {
+      const double at = corner + echo * delay;
+      if (at > beyond && at < next) next = at;
+    }
+  return next;
+}
+
+double Simulation::proposed_step(double until) const {
+  const double left = next_breakpoint(until) - state_.time;
+  const double wish = std::min(options_.error_tolerance > 0.0 ? next_step_ : options_.max_step, longest_step());
+  const double parts = std::max(1.0, std::ceil(left / wish * (1.0 - 1e-9)));
+  return left / parts;
+}
+
+Status Simulation::advance(double until, Recording* recording) {
+  require(std::isfinite(until) && until > state_.time,
+          "simulation: the end must lie after the present time " + std::to_string(state_.time) + " s, it is " +
+              std::to_string(until));
+  const auto begin = std::chrono::steady_clock::now();
+  const Seconds before = system_.seconds();
+  report_.status = Status::converged;
+  system_.set_load({});
+  while (state_.time < until && report_.status == Status::converged) {
+    if (options_.interrupt && options_.interrupt()) {
+      report_.status = Status::interrupted;
+      break;
+    }
+    cross_jump();
+    const double whole = proposed_step(until);
+    double h = whole;
+    bool taken = false;
+    while (!taken) {
+      State next;
+      double defect = 0.0;
+      const bool last_resort = h <= whole * smallest_part;
+      taken = attempt(h, last_resort ? Integrator::backward_euler : options_.integrator, next, defect);
+      if (!taken) {
+        ++report_.rescued;
+        if (last_resort) break;
+        h *= 0.5;
+        continue;
+      }
+      const double error = defect * defect_share(options_.integrator);
+      if (options_.error_tolerance > 0.0) {
+        const double ratio = options_.error_tolerance / std::max(error, 1e-3 * options_.error_tolerance);
+        const double change = std::clamp(0.85 * std::cbrt(ratio), 0.2, 2.5);
+        if (error > 1.5 * options_.error_tolerance && h > 1e-5) {
+          ++report_.rejected;
+          taken = false;
+          h *= std::min(0.9, change);
+          next_step_ = h;
+          continue;
+        }
+        if (change < 0.9 || change > 1.25) next_step_ = std::min(h * change, longest_step());
+      }
+      // The last step to a breakpoint lands on it exactly.
+      if (h == whole && whole == next_breakpoint(until) - state_.time) next.time = next_breakpoint(until);
+      accept(std::move(next), h, error);
+      if (recording != nullptr) record(*recording);
+    }
+    if (!taken) report_.status = Status::stalled;
+  }
+  report_.seconds = system_.seconds();
+  for (std::size_t k = 0; k < before.of.size(); ++k) report_.seconds.of[k] -= before.of[k];
+  report_.seconds.total = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report_.residual = residual_;
+  report_.force_scale = scale_;
+  return report_.status;
+}
+
+void Simulation::accept(State next, double h, double error) {
+  next.last_step = h;
+  next.last_positions = std::move(state_.positions);
+  next.last_velocities = std::move(state_.velocities);
+  next.last_momentum = std::move(state_.momentum);
+  next.last_stiffening = std::move(state_.stiffening);
+  next.history = std::move(state_.history);
+  if (const MuscleForce* muscles = system_.muscles()) {
+    next.history.append(next.time, muscles->lengths());
+    if (delayed()) next.history.forget(system_.scene().options().reflex->delay);
+  }
+  state_ = std::move(next);
+  ++report_.steps;
+  report_.error_estimate = std::max(report_.error_estimate, error);
+  report_.least_jacobian = std::min(report_.least_jacobian, system_.elasticity().least_jacobian());
+}
+
+void Simulation::set_state(State state) {
+  require(state.positions.size() == state_.positions.size() && state.activation.size() == state_.activation.size(),
+          "state: it belongs to another scene or other muscles");
+  state_ = std::move(state);
+  factor_hg_ = 0.0;
+}
+
+double Simulation::kinetic_energy() const {
+  NodeField momentum(state_.velocities.size(), 0.0);
+  system_.inertia().multiply(0.5, state_.velocities, momentum);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < momentum.size(); ++k) sum += momentum[k] * state_.velocities[k];
+  return sum;
+}
+
+double Simulation::potential_energy() {
+  Trial trial = system_.rest_trial();
+  trial.positions = state_.positions;
+  trial.isochoric_scale = state_.stiffening;
+  trial.activation_follows = false;
+  system_.force(trial, force_);
+  return system_.energy(trial);
+}
+
+void Simulation::record(Recording& recording) const {
+  recording.times.push_back(state_.time);
+  recording.positions.insert(recording.positions.end(), state_.positions.begin(), state_.positions.end());
+  recording.velocities.insert(recording.velocities.end(), state_.velocities.begin(), state_.velocities.end());
+  const auto fibres = static_cast<std::size_t>(system_.scene().options().fibres.count());
+  const std::size_t first = recording.activation.size();
+  recording.activation.resize(first + fibres, 0.0);
+  recording.tension.resize(first + fibres, 0.0);
+  for (std::size_t k = 0; k < system_.fibre_of().size(); ++k) {
+    recording.activation[first + static_cast<std::size_t>(system_.fibre_of()[k])] = state_.activation[k];
+    recording.tension[first + static_cast<std::size_t>(system_.fibre_of()[k])] = state_.tension[k];
+  }
+}
+
+void Simulation::given_activation(double time, bool after, std::vector<double>& activation) {
+  const Reflex& reflex = *system_.scene().options().reflex;
+  const std::vector<double> lambda = system_.lambda(commands_.at(time, after));
+  state_.history.evaluate(time - reflex.delay, delayed_lengths_, delayed_rates_);
+  activation.resize(lambda.size());
+  for (std::size_t k = 0; k < lambda.size(); ++k)
+    activation[k] = reflex.activation(delayed_lengths_[k], lambda[k], delayed_rates_[k]);
+}
+
+std::vector<double> Simulation::stiffening_of(const std::vector<double>& activation) const {
+  std::vector<double> factors(system_.elasticity().padded_count(), 1.0);
+  if (system_.scene().options().stiffening)
+    stiffening_factors(system_.fibres(), activation, system_.scene().options().force_law, factors);
+  return factors;
+}
+
+// Where the commands jump, so do the stiffening factors, and w = M v + beta f with them: v does not.
+void Simulation::cross_jump() {
+  const std::vector<double> before = commands_.at(state_.time, false), after = commands_.at(state_.time, true);
+  const bool jump = !std::equal(before.begin(), before.end(), after.begin(),
+                                [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+  if (!jump || !system_.muscles() || state_.last_step == 0.0) return;
+  std::vector<double> activation = state_.activation;
+  if (delayed())
+    given_activation(state_.time, true, activation);
+  else {
+    const std::vector<double> old_lambda = system_.lambda(before), new_lambda = system_.lambda(after);
+    const auto& reflex = system_.scene().options().reflex;
+    for (std::size_t k = 0; k < activation.size(); ++k)
+      activation[k] = Reflex{0.0, reflex ? reflex->velocity_gain : 0.0}.activation(
+          state_.history.last_lengths()[k], new_lambda[k],
+          fibre_rate(system_.fibres(), static_cast<Index>(k), state_.positions, state_.velocities));
+  }
+  std::vector<double> factors = stiffening_of(activation), change = factors;
+  for (std::size_t e = 0; e < change.size(); ++e) change[e] -= state_.stiffening[e];
+  NodeField force;
+  tissue_force(state_.positions, change, 0.0, force);
+  const double beta = system_.scene().options().damping.beta;
+  for (std::size_t k = 0; k < force.size(); ++k) state_.momentum[k] += beta * force[k];
+  state_.stiffening = std::move(factors);
+  state_.activation = std::move(activation);
+  state_.last_step = 0.0;
+}
+
+void Simulation::tissue_force(const NodeField& positions, const std::vector<double>& isochoric, double volumetric,
+                              NodeField& force) {
+  Trial trial;
+  trial.positions = positions;
+  trial.isochoric_scale = isochoric;
+  trial.elastic_share = volumetric;
+  force.assign(positions.size(), 0.0);
+  system_.elasticity().add_force(trial, force);
+}
+
+}  // namespace glossa

@@ -1,0 +1,113 @@
+// Movement of a scene under motor commands that change with time.
+#pragma once
+
+#include "muscle/delay_history.hpp"
+#include "scene/command_table.hpp"
+#include "scene/system.hpp"
+#include "solver/anderson.hpp"
+#include "solver/integrator.hpp"
+
+namespace glossa {
+
+struct SimulationOptions {
+  Integrator integrator = Integrator::sdirk2;
+  double max_step = 2e-3;        ///< s; the step where `error_tolerance` is 0
+  double error_tolerance = 0.0;  ///< m of estimated local error; > 0 lets the step adapt below max_step
+  double tolerance = 2e-6;       ///< residual of a stage over force scale
+  Interrupt interrupt;
+};
+
+/// Everything that the future of a movement depends on. A value: copies are independent.
+struct State {
+  double time = 0.0;                ///< s
+  NodeField positions;              ///< m
+  NodeField velocities;             ///< m/s
+  NodeField momentum;               ///< w = M v + beta f, N s
+  NodeField momentum_rate;          ///< w' (trapezoidal rule only), N
+  std::vector<double> pressure;     ///< Pa, padded
+  std::vector<double> stiffening;   ///< s_e, padded
+  std::vector<double> activation;   ///< m, per fibre of the system
+  std::vector<double> tension;      ///< N
+  DelayHistory history;
+  double last_step = 0.0;           ///< s; 0 before the first step and after a jump of the commands
+  NodeField last_positions, last_velocities, last_momentum;
+  std::vector<double> last_stiffening;
+};
+
+/// One frame per accepted time step.
+struct Recording {
+  std::vector<double> times;
+  std::vector<double> positions, velocities;  ///< frames x nodes x 3
+  std::vector<double> activation, tension;    ///< frames x fibres of the scene
+};
+
+class Simulation {
+ public:
+  /// Starts at rest at `time` in the given positions (pressures may be empty).
+  Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options, const NodeField& positions,
+             const std::vector<double>& pressure, double time);
+
+  /// Moves on to `time`, in as many steps as the options and the delay ask for. On failure or interruption the state
+  /// is that of the last accepted step and the report says why.
+  Status advance(double time, Recording* recording);
+
+  [[nodiscard]] const State& state() const { return state_; }
+  void set_state(State state);
+  [[nodiscard]] const Report& report() const { return report_; }
+  [[nodiscard]] System& system() { return system_; }
+  [[nodiscard]] double kinetic_energy() const;
+  /// Potential energy (J) of tissue and loads, without that of the muscles.
+  [[nodiscard]] double potential_energy();
+  void record(Recording& recording) const;
+
+ private:
+  // One implicit equation: u, w and s at `time` from the bases and hg (solver/integrator.hpp).
+  struct Stage {
+    double hg = 0.0;
+    double time = 0.0;
+    double offset = 0.0;  // time since the start of the step
+    NodeField base_positions, base_momentum;
+    std::vector<double> base_stiffening;  // where the activation follows: s' = (s - base) / span
+    double span = 0.0;
+    std::vector<double> rate;  // s' where the activation is given
+  };
+  [[nodiscard]] bool delayed() const;
+  [[nodiscard]] double longest_step() const;
+  [[nodiscard]] double next_breakpoint(double until) const;
+  [[nodiscard]] double proposed_step(double until) const;
+
+  void given_activation(double time, bool after, std::vector<double>& activation);
+  [[nodiscard]] std::vector<double> stiffening_of(const std::vector<double>& activation) const;
+  void cross_jump();
+  void tissue_force(const NodeField& positions, const std::vector<double>& isochoric, double volumetric,
+                    NodeField& force);
+
+  bool attempt(double h, Integrator method, State& next, double& defect);
+  [[nodiscard]] Stage first_stage(double h, Integrator method) const;
+  [[nodiscard]] Trial stage_trial(const Stage& stage);
+  bool solve_stage(const Stage& stage, Trial& trial);
+  bool iterate(const Stage& stage, Trial& trial, bool newton);
+  void evaluate(const Stage& stage, Trial& trial);
+  bool renew_factor(const Stage& stage, const Trial& trial);
+  [[nodiscard]] bool valid() const;
+  [[nodiscard]] NodeField stage_momentum(const Stage& stage, const Trial& trial);
+  void finish(const Stage& stage, const Trial& trial, double h, State& next);
+  void accept(State next, double h, double defect);
+
+  std::shared_ptr<System> shared_;
+  System& system_;
+  CommandTable commands_;
+  SimulationOptions options_;
+  State state_;
+  Report report_;
+  Anderson anderson_;
+  NodeField force_;
+  double residual_ = 0.0;
+  double scale_ = 0.0;
+  double factor_hg_ = 0.0;  // 0: no factor yet
+  long factor_stamp_ = -1;  // of the system when this simulation factorised last
+  double next_step_ = 0.0;
+  std::vector<double> delayed_lengths_, delayed_rates_;
+};
+
+}  // namespace glossa

@@ -1,0 +1,215 @@
+#include "scene/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include "core/error.hpp"
+#include "muscle/stiffening.hpp"
+
+namespace glossa {
+namespace {
+
+double norm(const NodeField& field) {
+  return Eigen::Map<const Vector>(field.data(), static_cast<Eigen::Index>(field.size())).norm();
+}
+
+Macrofibres chosen(const Macrofibres& all, const std::vector<bool>& commanded, std::vector<Index>& origin) {
+  Macrofibres result;
+  for (Index f = 0; f < all.count(); ++f) {
+    const auto k = static_cast<std::size_t>(f);
+    if (!commanded[static_cast<std::size_t>(all.muscle[k])]) continue;
+    origin.push_back(f);
+    result.nodes.values.insert(result.nodes.values.end(), all.nodes.begin(f), all.nodes.end(f));
+    result.nodes.push_row();
+    result.stiffened.values.insert(result.stiffened.values.end(), all.stiffened.begin(f), all.stiffened.end(f));
+    result.stiffened.push_row();
+    result.muscle.push_back(all.muscle[k]);
+    result.capacity.push_back(all.capacity[k]);
+    result.length_factor.push_back(all.length_factor[k]);
+    result.rest_length.push_back(all.rest_length[k]);
+  }
+  return result;
+}
+
+}  // namespace
+
+System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded)
+    : scene_(scene),
+      free_(std::move(free)),
+      fibres_(chosen(scene.options().fibres, commanded, fibre_of_)),
+      elasticity_(scene.mesh(), scene.batches(), scene.options().tissue, scene.options().element,
+                  scene.options().threads),
+      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses()),
+      matrix_(scene.mesh().node_count(), free_, scene.mesh().hexahedra(), fibres_.nodes, &fill_reducing_order) {
+  if (fibres_.count() > 0) {
+    muscles_.emplace(fibres_, scene.options().force_law);
+    muscles_->bind(matrix_);
+  }
+  if (!scene.weight().empty()) gravity_.emplace("gravity", scene.weight());
+  matrix_.set_mass(scene.masses());
+  cholesky_.emplace(matrix_.columns(1));
+  set_load({});
+}
+
+void System::set_load(NodeField load) {
+  load_.reset();
+  load_norm_ = gravity_ ? norm(gravity_->load()) : 0.0;
+  if (!load.empty()) {
+    load_norm_ += norm(load);
+    load_.emplace("loads", std::move(load));
+  }
+}
+
+std::vector<double> System::lambda(const std::vector<double>& fractions) const {
+  std::vector<double> result(fibres_.rest_length);
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] *= fractions[static_cast<std::size_t>(fibres_.muscle[k])];
+  return result;
+}
+
+void System::set_command(const std::vector<double>& fractions) {
+  if (muscles_) muscles_->set_lambda(lambda(fractions));
+}
+
+Trial System::rest_trial() const {
+  Trial trial;
+  trial.positions = scene_.mesh().nodes();
+  trial.velocities.assign(trial.positions.size(), 0.0);
+  trial.isochoric_scale.assign(elasticity_.padded_count(), 1.0);
+  trial.pressure.assign(elasticity_.padded_count(), 0.0);
+  trial.activation.assign(static_cast<std::size_t>(fibres_.count()), 0.0);
+  return trial;
+}
+
+void System::measure(Trial& trial) {
+  if (!muscles_) return;
+  const Stopwatch watch(seconds_, Part::muscles);
+  muscles_->measure(trial);
+}
+
+void System::stiffening(const Trial& trial, std::vector<double>& factors) const {
+  factors.assign(elasticity_.padded_count(), 1.0);
+  if (scene_.options().stiffening && muscles_)
+    stiffening_factors(fibres_, trial.activation, scene_.options().force_law, factors);
+}
+
+void System::force(const Trial& trial, NodeField& sum) {
+  sum.assign(trial.positions.size(), 0.0);
+  {
+    const Stopwatch watch(seconds_, Part::elasticity);
+    elasticity_.add_force(trial, sum);
+    force_scale_ = norm(sum) + trial.elastic_share * load_norm_;
+  }
+  if (muscles_) {
+    const Stopwatch watch(seconds_, Part::muscles);
+    muscles_->add_force(trial, sum);
+  }
+  const Stopwatch watch(seconds_, Part::inertia);
+  inertia_.add_force(trial, sum);
+  if (gravity_) gravity_->add_force(trial, sum);
+  if (load_) load_->add_force(trial, sum);
+}
+
+double System::energy(const Trial& trial) const {
+  double sum = elasticity_.energy(trial);
+  if (muscles_) sum += muscles_->energy(trial);
+  if (gravity_) sum += gravity_->energy(trial);
+  if (load_) sum += load_->energy(trial);
+  return sum;
+}
+
+void System::assemble(const Trial& trial, double mass_scale, Report&) {
+  {
+    const Stopwatch watch(seconds_, Part::assembly);
+    elasticity_.set_mass_scale(mass_scale);
+    elasticity_.add_tangent(trial, matrix_);
+  }
+  if (muscles_) {
+    const Stopwatch watch(seconds_, Part::muscles);
+    muscles_->add_tangent(trial, matrix_);
+  }
+}
+
+bool System::factorise(Report& report) {
+  const Stopwatch watch(seconds_, Part::factorisation);
+  ++report.factorisations;
+  ++factor_stamp_;
+  if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
+  ++report.indefinite;
+  // Diagonal shift, from a thousandth of the mean stiffness upwards; the direction stays one of descent.
+  const LowerColumns& columns = matrix_.columns(scene_.options().threads);
+  double mean = 0.0;
+  const std::size_t n = columns.column_start.size() - 1;
+  for (std::size_t j = 0; j < n; ++j) mean += std::abs(columns.value[static_cast<std::size_t>(columns.column_start[j])]);
+  mean /= static_cast<double>(n);
+  if (!std::isfinite(mean)) return false;
+  double shift = 1e-3 * mean, sum = 0.0;
+  for (int attempt = 0; attempt < 8; ++attempt, shift *= 4.0) {
+    matrix_.shift_diagonal(shift);
+    sum += shift;
+    ++report.factorisations;
+    if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
+  }
+  return false;
+}
+
+void System::precondition(Vector& x, Report&) {
+  const Stopwatch watch(seconds_, Part::solve);
+  cholesky_->solve(x);
+  x = -x;
+}
+
+void System::multiply(const Trial& trial, const NodeField& x, NodeField& product) const {
+  elasticity_.multiply(x, product);
+  if (muscles_) muscles_->multiply(trial, x, product);
+}
+
+Vector System::restrict_free(const NodeField& field) const {
+  const auto& component = matrix_.component_of_unknown();
+  Vector result(static_cast<Eigen::Index>(component.size()));
+  for (std::size_t k = 0; k < component.size(); ++k)
+    result(static_cast<Eigen::Index>(k)) = field[static_cast<std::size_t>(component[k])];
+  return result;
+}
+
+void System::add_free(const Vector& increment, double step, NodeField& field) const {
+  const auto& component = matrix_.component_of_unknown();
+  for (std::size_t k = 0; k < component.size(); ++k)
+    field[static_cast<std::size_t>(component[k])] += step * increment(static_cast<Eigen::Index>(k));
+}
+
+double System::norm_free(const NodeField& field) const {
+  double sum = 0.0;
+  for (const Index c : matrix_.component_of_unknown()) sum += field[static_cast<std::size_t>(c)] * field[static_cast<std::size_t>(c)];
+  return std::sqrt(sum);
+}
+
+void require_supported(const HexMesh& mesh, const FreeMask& free) {
+  std::vector<std::array<double, 6>> rows;
+  Vector3 centre = Vector3::Zero();
+  for (Index n = 0; n < mesh.node_count(); ++n) centre += at(mesh.nodes(), n) / mesh.node_count();
+  for (Index n = 0; n < mesh.node_count(); ++n) {
+    if (mesh.outside(n)) continue;
+    const Vector3 r = (at(mesh.nodes(), n) - centre) / 0.01;
+    const std::array<std::array<double, 6>, 3> modes{{{1, 0, 0, 0, r.z(), -r.y()},
+                                                      {0, 1, 0, -r.z(), 0, r.x()},
+                                                      {0, 0, 1, r.y(), -r.x(), 0}}};
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!free[3 * static_cast<std::size_t>(n) + i]) rows.push_back(modes[i]);
+  }
+  Eigen::MatrixXd held(static_cast<Eigen::Index>(rows.size()), 6);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (std::size_t m = 0; m < 6; ++m) held(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(m)) = rows[k][m];
+  Eigen::Index rank = 0;
+  if (!rows.empty()) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(held);
+    qr.setThreshold(1e-9);
+    rank = qr.rank();
+  }
+  require(rank == 6, "constraints: the held nodes leave the body free to move rigidly (" + std::to_string(6 - rank) +
+                         " of 6 rigid motions), so no equilibrium is unique; hold at least three nodes that are not on "
+                         "one line");
+}
+
+}  // namespace glossa

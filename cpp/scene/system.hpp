@@ -1,0 +1,91 @@
+// The equations of a scene for one choice of held components and commanded muscles: effects, unknowns, factor.
+#pragma once
+
+#include <optional>
+
+#include "effect/dead_load.hpp"
+#include "effect/muscle_force.hpp"
+#include "scene/scene.hpp"
+#include "solver/cholesky.hpp"
+#include "solver/report.hpp"
+
+namespace glossa {
+
+/// Holds the effects that act and the matrix that joins them. Muscles that are not commanded are not in it at all.
+/// One System serves one solve at a time; scenes keep several for re-use of their layout and symbolic analysis.
+class System {
+ public:
+  /// `free`: components that may move (a subset of the scene's). `commanded`: one flag per muscle.
+  System(const Scene& scene, FreeMask free, std::vector<bool> commanded);
+
+  /// Replaces the external loads (N, node field; empty for none).
+  void set_load(NodeField load);
+  /// Motor commands as fractions of rest length, one per muscle; ignored for muscles not commanded.
+  void set_command(const std::vector<double>& fractions);
+  /// lambda (m) of the fibres of this system for such fractions.
+  [[nodiscard]] std::vector<double> lambda(const std::vector<double>& fractions) const;
+
+  /// A trial at rest with arrays of the right size.
+  [[nodiscard]] Trial rest_trial() const;
+  /// Measures fibres and, where the activation follows the trial, updates activations.
+  void measure(Trial& trial);
+  /// Stiffening factors s_e (padded) of the trial's activations; all 1 without stiffening.
+  void stiffening(const Trial& trial, std::vector<double>& factors) const;
+  /// Sum of the forces of all effects (N, node field) at the trial; needs measure() before.
+  void force(const Trial& trial, NodeField& sum);
+  /// Energy (J) at the trial of the last force(), stiffening held.
+  [[nodiscard]] double energy(const Trial& trial) const;
+  /// Sizes of the potential terms of that energy, for judging rounding.
+  [[nodiscard]] double force_scale() const { return force_scale_; }
+
+  /// Assembles the tangent at the trial (after force()) with `mass_scale` times the mass.
+  void assemble(const Trial& trial, double mass_scale, Report& report);
+  /// Factorises the assembled tangent; on failure shifts its diagonal until it is positive definite.
+  [[nodiscard]] bool factorise(Report& report);
+  /// x <- - P^(-1) x with the present factor.
+  void precondition(Vector& x, Report& report);
+  /// K x for a node field, tangent of the last assemble (without mass).
+  void multiply(const Trial& trial, const NodeField& x, NodeField& product) const;
+
+  [[nodiscard]] Vector restrict_free(const NodeField& field) const;
+  void add_free(const Vector& increment, double step, NodeField& field) const;
+  [[nodiscard]] double norm_free(const NodeField& field) const;
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const FreeMask& free() const { return free_; }
+  [[nodiscard]] Elasticity& elasticity() { return elasticity_; }
+  [[nodiscard]] const MuscleForce* muscles() const { return muscles_ ? &*muscles_ : nullptr; }
+  [[nodiscard]] const Macrofibres& fibres() const { return fibres_; }
+  /// Index in the scene of each fibre of this system.
+  [[nodiscard]] const std::vector<Index>& fibre_of() const { return fibre_of_; }
+  [[nodiscard]] const Inertia& inertia() const { return inertia_; }
+  [[nodiscard]] Seconds& seconds() { return seconds_; }
+  /// Changes with every factorisation: tells a user of the factor whether it is still his.
+  [[nodiscard]] long factor_stamp() const { return factor_stamp_; }
+  [[nodiscard]] const Cholesky& cholesky() const { return *cholesky_; }
+  /// Scalar matrix of the last assemble, for tests and figures.
+  [[nodiscard]] const LowerColumns& columns() { return matrix_.columns(scene_.options().threads); }
+  [[nodiscard]] const std::vector<Index>& component_of_unknown() const { return matrix_.component_of_unknown(); }
+
+ private:
+  const Scene& scene_;
+  FreeMask free_;
+  std::vector<Index> fibre_of_;  // filled while fibres_ is chosen
+  Macrofibres fibres_;
+  Elasticity elasticity_;
+  std::optional<MuscleForce> muscles_;
+  Inertia inertia_;
+  std::optional<DeadLoad> gravity_;
+  std::optional<DeadLoad> load_;
+  BlockMatrix matrix_;
+  std::optional<Cholesky> cholesky_;
+  double force_scale_ = 0.0;
+  double load_norm_ = 0.0;
+  long factor_stamp_ = 0;
+  Seconds seconds_;
+};
+
+/// Raises InputError if the held components leave the body free to move rigidly.
+void require_supported(const HexMesh& mesh, const FreeMask& free);
+
+}  // namespace glossa

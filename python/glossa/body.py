@@ -1,0 +1,241 @@
+"""The body that a scene computes on: the whole speaker or its half, as the flat arrays of the C++ core."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
+from glossa.anatomy.mirror import HalfBody, half_body, mirror_pairs
+from glossa.anatomy.muscle_topology import capacity_shares, pass_table, stiffening_gain
+from glossa.anatomy.speaker import Speaker
+from glossa.effects import Stiffening
+from glossa.errors import InputError
+
+SYMMETRY_TOLERANCE = 1e-9
+"""Relative size of an asymmetry that counts as rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fibres:
+    """All macrofibres of a speaker, flat, muscle by muscle; f fibres.
+
+    Attributes:
+        muscles: names in order.
+        muscle: (f,) index of each fibre's muscle.
+        nodes: f node lists.
+        capacity: (f,) rho of eq. 4, N.
+        rest_length: (f,) m.
+        stiffened: f arrays of elements that the fibre stiffens (p2 = 1 in eq. 1).
+        gain: (f,) p1 of eq. 1, 1/m.
+    """
+
+    muscles: tuple[str, ...]
+    muscle: IntArray
+    nodes: tuple[IntArray, ...]
+    capacity: FloatArray
+    rest_length: FloatArray
+    stiffened: tuple[IntArray, ...]
+    gain: FloatArray
+
+
+def gather_fibres(speaker: Speaker, stiffening: Stiffening | None, saturation: float) -> Fibres:
+    """Fibres of a speaker with the force shares of eq. 4 and the stiffening gains of eq. 1.
+
+    Args:
+        speaker: any speaker.
+        stiffening: rule for p1; None leaves the tissue passive.
+        saturation: activation at which eq. 3 saturates, m.
+    """
+    muscle_index: list[int] = []
+    nodes: list[IntArray] = []
+    stiffened: list[IntArray] = []
+    capacity, rest, gain = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
+    for number, (name, muscle) in enumerate(speaker.muscles.items()):
+        count = len(muscle.fibres)
+        muscle_index += [number] * count
+        nodes += muscle.fibres
+        capacity.append(muscle.force_capacity * capacity_shares(speaker.nodes, speaker.hexahedra, muscle))
+        rest.append(speaker.fibre_rest_lengths(name))
+        if stiffening is None:
+            stiffened += [np.zeros(0, np.int32)] * count
+            gain.append(np.zeros(count))
+            continue
+        table = pass_table(speaker.hexahedra, muscle)
+        stiffened += np.split(table.elements, np.searchsorted(table.fibres, np.arange(1, count)))
+        p1 = stiffening.gains.get(name)
+        if p1 is None:
+            p1 = stiffening_gain(speaker.hexahedra, muscle, saturation, stiffening.peak_multiplier)
+        gain.append(np.full(count, p1))
+    return Fibres(
+        muscles=tuple(speaker.muscles),
+        muscle=np.array(muscle_index, np.int32),
+        nodes=tuple(nodes),
+        capacity=np.concatenate(capacity),
+        rest_length=np.concatenate(rest),
+        stiffened=tuple(stiffened),
+        gain=np.concatenate(gain),
+    )
+
+
+class Body:
+    """A speaker, or its half y >= 0, in the numbering of the core, and the way back."""
+
+    def __init__(self, speaker: Speaker, fibres: Fibres, *, mirror: bool) -> None:
+        self.speaker = speaker
+        self.fibres = fibres
+        self.half: HalfBody | None = half_body(speaker) if mirror else None
+
+    @property
+    def nodes(self) -> FloatArray:
+        """(k, 3) rest positions, m."""
+        return self.speaker.nodes if self.half is None else self.half.nodes
+
+    @property
+    def hexahedra(self) -> IntArray:
+        """(h, 8)."""
+        return self.speaker.hexahedra if self.half is None else self.half.hexahedra
+
+    @cached_property
+    def _pairs(self) -> IntArray:
+        return mirror_pairs(self.speaker.nodes)
+
+    @cached_property
+    def fibre_source(self) -> IntArray:
+        """(g,) index in the speaker of each fibre of the body."""
+        if self.half is None:
+            return np.arange(len(self.fibres.muscle), dtype=np.int32)
+        first = dict(zip(self.fibres.muscles, np.searchsorted(self.fibres.muscle, range(len(self.fibres.muscles))), strict=True))
+        return np.array([first[f.muscle] + f.index for f in self.half.fibres], np.int32)
+
+    @cached_property
+    def fibre_index(self) -> IntArray:
+        """(f,) fibre of the body that stands for each fibre of the speaker."""
+        if self.half is None:
+            return self.fibre_source
+        parts = [self.half.fibre_index[name] for name in self.fibres.muscles]
+        return np.concatenate(parts).astype(np.int32) if parts else np.zeros(0, np.int32)
+
+    @cached_property
+    def force_share(self) -> FloatArray:
+        """(g,) part of each fibre's force that acts on the body: 0.5 in the midplane of a half."""
+        if self.half is None:
+            return np.ones(len(self.fibres.muscle))
+        return np.array([fibre.force_share for fibre in self.half.fibres], dtype=float)
+
+    def core_fibres(self) -> dict[str, Any]:
+        """Arrays for the core's constructor."""
+        source = self.fibre_source
+        if self.half is None:
+            paths: Sequence[IntArray] = self.fibres.nodes
+            factor = np.ones(len(source))
+            element = np.arange(len(self.speaker.hexahedra), dtype=np.int32)
+        else:
+            paths = [fibre.nodes for fibre in self.half.fibres]
+            factor = np.array([fibre.length_factor for fibre in self.half.fibres], dtype=float)
+            element = np.full(len(self.speaker.hexahedra), -1, np.int32)
+            element[self.half.kept_elements] = np.arange(len(self.half.kept_elements))
+        stiffened = self._stiffened(source, element)
+        gains = [np.full(len(e), self.fibres.gain[f]) for e, f in zip(stiffened, source, strict=True)]
+        return {
+            "nodes": _flat(paths),
+            "node_start": _starts(paths),
+            "muscle": self.fibres.muscle[source],
+            "capacity": self.fibres.capacity[source] * self.force_share,
+            "length_factor": factor,
+            "rest_length": self.fibres.rest_length[source],
+            "stiffened_elements": _flat(stiffened),
+            "stiffening_gains": np.concatenate([*gains, np.zeros(0)]),
+            "stiffened_start": _starts(stiffened),
+        }
+
+    def _stiffened(self, source: IntArray, element: IntArray) -> list[IntArray]:
+        """Elements of the body stiffened by each of its fibres.
+
+        What a fibre of the other side stiffens here (along the midplane) is added to its mirror image, which is kept.
+        """
+        lists = [[*element[self.fibres.stiffened[f]]] for f in source]
+        if self.half is not None:
+            kept = set(source.tolist())
+            for f, own in enumerate(self.fibre_index):
+                if f not in kept:
+                    lists[own] += [*element[self.fibres.stiffened[f]]]
+        return [np.array([e for e in found if e >= 0], np.int32) for found in lists]
+
+    # Between the speaker and the body
+
+    def restrict(self, field: FloatArray, what: str) -> FloatArray:
+        """Vectors or positions (n, 3) of the speaker on the body; refuses asymmetry in a half body."""
+        if self.half is None:
+            return np.ascontiguousarray(field)
+        image = field[self._pairs] * np.array([1.0, -1.0, 1.0])
+        size = float(np.abs(field).max(initial=0.0))
+        worst = np.abs(image - field).max(axis=1, initial=0.0)
+        if len(worst) and worst.max() > SYMMETRY_TOLERANCE * max(size, 1e-12):
+            raise InputError(
+                f"{what} is not mirror symmetric about y = 0 (node {int(worst.argmax())}); use mirror=False for it"
+            )
+        return np.ascontiguousarray(field[self.half.kept_nodes])
+
+    def restrict_forces(self, forces: FloatArray, what: str) -> FloatArray:
+        """As :meth:`restrict` for nodal forces: a node of the midplane carries half on each side."""
+        result = self.restrict(forces, what).copy()
+        if self.half is not None:
+            result[self.half.midplane] *= 0.5
+        return result
+
+    def restrict_mask(self, mask: BoolArray, what: str) -> BoolArray:
+        """(n, 3) flags of the speaker on the body; refuses asymmetry in a half body."""
+        if self.half is None:
+            return mask
+        wrong = np.flatnonzero((mask[self._pairs] != mask).any(axis=1))
+        if len(wrong):
+            raise InputError(f"{what} is not mirror symmetric about y = 0 (node {wrong[0]}); use mirror=False for it")
+        return np.ascontiguousarray(mask[self.half.kept_nodes])
+
+    def expand(self, field: FloatArray) -> FloatArray:
+        """(n, 3) positions or velocities of the speaker."""
+        return np.array(field) if self.half is None else self.half.expand(field)
+
+    def expand_forces(self, forces: FloatArray) -> FloatArray:
+        """(n, 3) nodal forces of the speaker."""
+        if self.half is None:
+            return np.array(forces)
+        whole = np.array(forces)
+        whole[self.half.midplane] *= [2.0, 0.0, 2.0]
+        return self.half.expand(whole)
+
+    def expand_fibres(self, values: FloatArray) -> FloatArray:
+        """(…, f) values of the speaker's fibres."""
+        return np.ascontiguousarray(values[..., self.fibre_index])
+
+    def expand_tensions(self, values: FloatArray) -> FloatArray:
+        """(…, f) tensions of the speaker's fibres, N."""
+        return self.expand_fibres(values / self.force_share)
+
+    def expand_elements(self, values: FloatArray) -> FloatArray:
+        """(m,) values of the speaker's hexahedra."""
+        return np.array(values) if self.half is None else values[self.half.element_index]
+
+    def restrict_elements(self, values: FloatArray) -> FloatArray:
+        """(h,) values of the body's hexahedra."""
+        return values if self.half is None else np.ascontiguousarray(values[self.half.kept_elements])
+
+    def held_by_symmetry(self) -> BoolArray:
+        """(k, 3) components that the mirror plane holds."""
+        held = np.zeros((len(self.nodes), 3), dtype=bool)
+        if self.half is not None:
+            held[self.half.midplane, 1] = True
+        return held
+
+
+def _flat(lists: Sequence[IntArray]) -> IntArray:
+    return np.concatenate([*lists, np.zeros(0, np.int32)]).astype(np.int32)
+
+
+def _starts(lists: Sequence[IntArray]) -> IntArray:
+    return np.concatenate([[0], np.cumsum([len(x) for x in lists])]).astype(np.int32)

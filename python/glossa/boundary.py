@@ -1,0 +1,105 @@
+"""Prescribed displacements and loads of node sets, as arrays over all nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
+from glossa.anatomy.speaker import Speaker
+from glossa.errors import InputError
+
+
+def _nodes(speaker: Speaker, name: Any, what: str) -> IntArray:
+    if name not in speaker.node_sets:
+        known = ", ".join(speaker.node_sets) or "none"
+        raise InputError(f"{what}: no node set {name!r}; this speaker has {known}")
+    return speaker.node_sets[name]
+
+
+def _vectors(value: Any, what: str) -> tuple[FloatArray, BoolArray]:
+    """Numbers with 0 for None, and where a number was given."""
+    try:
+        entries = np.array(value, dtype=object)
+        given = np.not_equal(entries, None).astype(bool)
+        numbers = np.where(given, entries, 0.0).astype(float)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: expected numbers (or None for a free component), got {value!r}") from None
+    if not np.isfinite(numbers).all():
+        raise InputError(f"{what}: every component must be finite (None leaves one free)")
+    return numbers, given
+
+
+def prescribed_positions(speaker: Speaker, prescribed: Mapping[str, Any]) -> tuple[BoolArray, FloatArray]:
+    """Which components are prescribed (n, 3), and their positions (n, 3) in m.
+
+    Raises:
+        InputError: unknown set, wrong shape, not finite, or two sets that disagree about a node.
+    """
+    held = np.zeros(speaker.nodes.shape, dtype=bool)
+    target = np.array(speaker.nodes)
+    if not isinstance(prescribed, Mapping):
+        raise InputError(f"prescribed must map node sets to displacements, got {type(prescribed).__name__}")
+    for name, value in prescribed.items():
+        nodes = _nodes(speaker, name, "prescribed")
+        numbers, given = _vectors(value, f"prescribed displacement of {name!r}")
+        if numbers.shape not in ((3,), (len(nodes), 3)):
+            raise InputError(
+                f"prescribed displacement of {name!r}: expected shape (3,) or ({len(nodes)}, 3), got {numbers.shape}"
+            )
+        numbers, given = np.broadcast_to(numbers, (len(nodes), 3)), np.broadcast_to(given, (len(nodes), 3))
+        wanted = speaker.nodes[nodes] + numbers
+        clash = held[nodes] & given & (target[nodes] != wanted)
+        if clash.any():
+            node = int(nodes[np.argmax(clash.any(axis=1))])
+            raise InputError(f"prescribed displacement of {name!r}: node {node} is already prescribed otherwise")
+        target[nodes] = np.where(given, wanted, target[nodes])
+        held[nodes] |= given
+    return held, target
+
+
+def nodal_loads(speaker: Speaker, loads: Mapping[str, Any]) -> FloatArray | None:
+    """(n, 3) nodal forces in N of total forces on node sets; None without loads.
+
+    Raises:
+        InputError: unknown set, or not three finite numbers.
+    """
+    if not isinstance(loads, Mapping):
+        raise InputError(f"loads must map node sets to forces, got {type(loads).__name__}")
+    if not loads:
+        return None
+    result = np.zeros(speaker.nodes.shape)
+    for name, value in loads.items():
+        nodes = _nodes(speaker, name, "loads")
+        try:
+            force = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"load on {name!r}: expected three numbers in N, got {value!r}") from None
+        if force.shape != (3,) or not np.isfinite(force).all():
+            raise InputError(f"load on {name!r}: expected three finite numbers in N, got {value!r}")
+        result += traction_weights(speaker, nodes)[:, None] * force
+    return result
+
+
+def traction_weights(speaker: Speaker, nodes: IntArray) -> FloatArray:
+    """(n,) shares, summing to 1, of a uniform dead traction on the boundary faces that lie wholly in a set of nodes.
+
+    Consistent with bilinear faces (2 x 2 Gauss rule). Without such a face every node has an equal share.
+    """
+    weights = np.zeros(len(speaker.nodes))
+    quads = speaker.surface_quads[np.isin(speaker.surface_quads, nodes).all(axis=1)]
+    if len(quads) == 0:
+        weights[nodes] = 1.0 / len(nodes)
+        return weights
+    corners = speaker.nodes[quads]
+    g = 1.0 / np.sqrt(3.0)
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    for r, s in signs * g:
+        shape = (1 + signs[:, 0] * r) * (1 + signs[:, 1] * s) / 4.0
+        along_r = np.einsum("a,qai->qi", signs[:, 0] * (1 + signs[:, 1] * s) / 4.0, corners)
+        along_s = np.einsum("a,qai->qi", signs[:, 1] * (1 + signs[:, 0] * r) / 4.0, corners)
+        area = np.linalg.norm(np.cross(along_r, along_s), axis=1)
+        np.add.at(weights, quads, area[:, None] * shape)
+    return np.asarray(weights / weights.sum())

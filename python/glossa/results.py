@@ -1,0 +1,377 @@
+"""What a scene returns: postures and movements, with the evidence of how they were found."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.speaker import Speaker
+from glossa.errors import InputError
+from glossa.motor.commands import MotorCommands
+
+if TYPE_CHECKING:
+    import meshio
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolveReport:
+    """How a solve ended and what it took.
+
+    Attributes:
+        converged: the residual is within tolerance; for a movement, every step was.
+        status: name of the exit status: converged, iteration_limit, stalled, inverted, indefinite, interrupted.
+        iterations: Newton iterations (posture) or stages solved (movement).
+        quasi_newton: iterations with a frozen factor.
+        residuals: residual evaluations.
+        factorisations: numeric factorisations.
+        indefinite: tangents that needed a cure.
+        line_search: steps that were cut back.
+        steps, rejected, rescued: time steps accepted, repeated for accuracy, and saved by a fresh factor, a shorter
+            step or backward Euler.
+        residual: N, 2-norm over the free components; force_scale: N, what the tolerance refers to.
+        least_jacobian: smallest J at any Gauss point; worst_element: its hexahedron in the body that was computed.
+        error_estimate: largest estimated local error of a time step, m.
+        residuals_by_iteration: N, at the start of each Newton iteration.
+        seconds: by part of the work, and "total".
+    """
+
+    converged: bool
+    status: str
+    iterations: int
+    quasi_newton: int
+    residuals: int
+    factorisations: int
+    indefinite: int
+    line_search: int
+    steps: int
+    rejected: int
+    rescued: int
+    residual: float
+    force_scale: float
+    least_jacobian: float
+    worst_element: int
+    error_estimate: float
+    residuals_by_iteration: tuple[float, ...]
+    seconds: Mapping[str, float]
+
+    @classmethod
+    def from_core(cls, report: Any) -> SolveReport:
+        """Copy of a report of the C++ core."""
+        values = {name: getattr(report, name) for name in cls.__dataclass_fields__}
+        values["residuals_by_iteration"] = tuple(values["residuals_by_iteration"])
+        return cls(**values)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return asdict(self)
+
+
+def forces_by_muscle(speaker: Speaker, tensions: FloatArray) -> FloatArray:
+    """(…, muscles) sums of fibre tensions (…, fibres), N: the forces of the paper's Table II."""
+    counts = [len(muscle.fibres) for muscle in speaker.muscles.values()]
+    ends = np.cumsum([0, *counts])
+    parts = [tensions[..., a:b].sum(axis=-1) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return np.stack(parts, axis=-1) if parts else np.zeros((*tensions.shape[:-1], 0))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Posture:
+    """A state of the tongue; n nodes, m hexahedra, f fibres (muscle by muscle, in the speaker's order).
+
+    Attributes:
+        speaker: whose tongue it is.
+        commands: motor commands that hold, None without.
+        positions: (n, 3) m.
+        activations: (f,) A of eq. 2, m.
+        fibre_forces: (f,) tensions, N.
+        pressure: (m,) Pa, positive in dilatation.
+        stiffening: (m,) factor of eq. 1.
+        support_forces: (n, 3) N, force of the supports on the body where nodes are held; 0 elsewhere. None where it was
+            not computed (a moment of a movement).
+        report: how it was found.
+        time: s, for a moment of a movement.
+    """
+
+    speaker: Speaker
+    commands: MotorCommands | None
+    positions: FloatArray
+    activations: FloatArray
+    fibre_forces: FloatArray
+    pressure: FloatArray | None
+    stiffening: FloatArray | None
+    support_forces: FloatArray | None
+    report: SolveReport | None
+    time: float | None = None
+
+    @property
+    def displacements(self) -> FloatArray:
+        """(n, 3) m, from the rest positions."""
+        return np.asarray(self.positions - self.speaker.nodes)
+
+    @property
+    def forces(self) -> pd.Series[float]:
+        """Force of each muscle: the sum of the tensions of its fibres, N (as Table II)."""
+        values = forces_by_muscle(self.speaker, self.fibre_forces)
+        return pd.Series(values, index=list(self.speaker.muscles), name="force_N", dtype=float)
+
+    @property
+    def contact(self) -> None:
+        """Contact results; None: no wall is felt in this scene."""
+        return None
+
+    def fibre_slice(self, muscle: str) -> slice:
+        """Where a muscle's fibres lie in the fibre arrays.
+
+        Raises:
+            InputError: no such muscle.
+        """
+        start = 0
+        for name, one in self.speaker.muscles.items():
+            if name == muscle:
+                return slice(start, start + len(one.fibres))
+            start += len(one.fibres)
+        raise InputError(f"no muscle {muscle!r}; this speaker has {', '.join(self.speaker.muscles) or 'none'}")
+
+    def node_set(self, name: str) -> FloatArray:
+        """(k, 3) positions of a node set or contour of the speaker, m.
+
+        Raises:
+            InputError: no such set.
+        """
+        return np.asarray(self.positions[_node_set(self.speaker, name)])
+
+    def reactions(self, name: str) -> FloatArray:
+        """(3,) N: total force of the support on the body over a node set.
+
+        Raises:
+            InputError: no such set, or a posture without support forces.
+        """
+        nodes = _node_set(self.speaker, name)
+        if self.support_forces is None:
+            raise InputError("this posture is a moment of a movement; support forces exist for equilibria only")
+        return np.asarray(self.support_forces[nodes].sum(axis=0))
+
+    def to_meshio(self) -> meshio.Mesh:
+        """A meshio mesh (points in m) with displacement, stiffening and pressure, to write VTK and other formats.
+
+        Raises:
+            ImportError: meshio is not installed.
+        """
+        import meshio
+
+        cells: dict[str, list[FloatArray]] = {}
+        for name, values in (("pressure_Pa", self.pressure), ("stiffening", self.stiffening)):
+            if values is not None:
+                cells[name] = [values]
+        return meshio.Mesh(
+            self.positions,
+            [("hexahedron", self.speaker.hexahedra)],
+            point_data={"displacement_m": self.displacements},
+            cell_data=cells,
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write to one NetCDF file; :meth:`load` with the same speaker reads it back."""
+        variables: dict[str, Any] = {
+            "positions": (("node", "axis"), self.positions, {"units": "m"}),
+            "activations": (("fibre",), self.activations, {"units": "m"}),
+            "fibre_forces": (("fibre",), self.fibre_forces, {"units": "N"}),
+        }
+        optional = (("pressure", "element", self.pressure, "Pa"), ("stiffening", "element", self.stiffening, "1"))
+        for name, dimension, values, units in optional:
+            if values is not None:
+                variables[name] = ((dimension,), values, {"units": units})
+        if self.support_forces is not None:
+            variables["support_forces"] = (("node", "axis"), self.support_forces, {"units": "N"})
+        attributes: dict[str, Any] = {
+            "glossa": "posture",
+            "speaker": self.speaker.name,
+            "speaker_fingerprint": self.speaker.fingerprint,
+            "commands": json.dumps(None if self.commands is None else dict(self.commands)),
+            "report": json.dumps(None if self.report is None else self.report.as_dict()),
+        }
+        if self.time is not None:
+            attributes["time_s"] = self.time
+        write_dataset(xr.Dataset(variables, attrs=attributes), path)
+
+    @classmethod
+    def load(cls, path: str | Path, speaker: Speaker) -> Posture:
+        """Read a posture of ``speaker`` back.
+
+        Raises:
+            FileNotFoundError: nothing at ``path``.
+            InputError: not a posture file, or one of another speaker.
+        """
+        data = read_dataset(path, "posture", speaker)
+        commands = json.loads(data.attrs["commands"])
+        report = json.loads(data.attrs["report"])
+        if report is not None:
+            report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
+        optional = {name: data[name].values if name in data else None for name in ("pressure", "stiffening")}
+        return cls(
+            speaker=speaker,
+            commands=None if commands is None else MotorCommands(commands),
+            positions=data["positions"].values,
+            activations=data["activations"].values,
+            fibre_forces=data["fibre_forces"].values,
+            support_forces=data["support_forces"].values if "support_forces" in data else None,
+            report=None if report is None else SolveReport(**report),
+            time=float(data.attrs["time_s"]) if "time_s" in data.attrs else None,
+            **optional,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Movement:
+    """A movement of the tongue, one frame per accepted time step and one at the start; t frames.
+
+    Attributes:
+        speaker: whose tongue it is.
+        times: (t,) s.
+        positions: (t, n, 3) m.
+        velocities: (t, n, 3) m/s.
+        activations: (t, f) m.
+        fibre_forces: (t, f) N.
+        report: how it was found.
+    """
+
+    speaker: Speaker
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+    activations: FloatArray
+    fibre_forces: FloatArray
+    report: SolveReport
+
+    @property
+    def forces(self) -> pd.DataFrame:
+        """Force of each muscle over time, N; index: time in s."""
+        values = forces_by_muscle(self.speaker, self.fibre_forces)
+        return pd.DataFrame(values, index=pd.Index(self.times, name="time_s"), columns=list(self.speaker.muscles))
+
+    def at(self, time: float) -> Posture:
+        """The posture at a time within the movement: positions by cubic Hermite interpolation, forces linearly.
+
+        Raises:
+            InputError: a time outside the movement.
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        if not first <= time <= last:
+            raise InputError(f"time must lie between {first:g} s and {last:g} s, got {time!r}")
+        k = min(int(np.searchsorted(self.times, time, side="right")) - 1, len(self.times) - 2)
+        if k < 0:
+            k, h, x = 0, 1.0, 0.0
+            after = 0
+        else:
+            after = k + 1
+            h = float(self.times[after] - self.times[k])
+            x = (time - float(self.times[k])) / h
+        positions = (
+            (1 + 2 * x) * (1 - x) ** 2 * self.positions[k]
+            + x * x * (3 - 2 * x) * self.positions[after]
+            + h * x * (1 - x) ** 2 * self.velocities[k]
+            - h * x * x * (1 - x) * self.velocities[after]
+        )
+        return Posture(
+            speaker=self.speaker,
+            commands=None,
+            positions=positions,
+            activations=(1 - x) * self.activations[k] + x * self.activations[after],
+            fibre_forces=(1 - x) * self.fibre_forces[k] + x * self.fibre_forces[after],
+            pressure=None,
+            stiffening=None,
+            support_forces=None,
+            report=self.report,
+            time=float(time),
+        )
+
+    def to_xarray(self) -> xr.Dataset:
+        """Dataset with dimensions time, node, axis, muscle and fibre; units in the attributes."""
+        return xr.Dataset(
+            {
+                "positions": (("time", "node", "axis"), self.positions, {"units": "m"}),
+                "velocities": (("time", "node", "axis"), self.velocities, {"units": "m/s"}),
+                "forces": (("time", "muscle"), self.forces.to_numpy(), {"units": "N"}),
+                "activations": (("time", "fibre"), self.activations, {"units": "m"}),
+                "fibre_forces": (("time", "fibre"), self.fibre_forces, {"units": "N"}),
+            },
+            coords={
+                "time": ("time", self.times, {"units": "s"}),
+                "axis": ["x", "y", "z"],
+                "muscle": list(self.speaker.muscles),
+            },
+            attrs={
+                "glossa": "movement",
+                "speaker": self.speaker.name,
+                "speaker_fingerprint": self.speaker.fingerprint,
+                "report": json.dumps(self.report.as_dict()),
+            },
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write to one NetCDF file."""
+        write_dataset(self.to_xarray(), path)
+
+    @classmethod
+    def load(cls, path: str | Path, speaker: Speaker) -> Movement:
+        """Read a movement of ``speaker`` back.
+
+        Raises:
+            FileNotFoundError: nothing at ``path``.
+            InputError: not a movement file, or one of another speaker.
+        """
+        data = read_dataset(path, "movement", speaker)
+        report = json.loads(data.attrs["report"])
+        report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
+        names = ("positions", "velocities", "activations", "fibre_forces")
+        return cls(
+            speaker=speaker,
+            times=data["time"].values,
+            report=SolveReport(**report),
+            **{name: data[name].values for name in names},
+        )
+
+
+def write_dataset(data: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset to NetCDF (HDF5)."""
+    data.to_netcdf(path, engine="h5netcdf")
+
+
+def read_dataset(path: str | Path, kind: str, speaker: Speaker) -> xr.Dataset:
+    """Read a dataset of ``kind`` that belongs to ``speaker``.
+
+    Raises:
+        FileNotFoundError: nothing at ``path``.
+        InputError: unreadable, of another kind, or of another speaker.
+    """
+    if not Path(path).exists():
+        raise FileNotFoundError(f"no file at {path}")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            data = opened.load()
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        raise InputError(f"{path} cannot be read as a NetCDF file: {error}") from None
+    if data.attrs.get("glossa") != kind:
+        raise InputError(f"{path} holds no {kind} of glossa")
+    if data.attrs.get("speaker_fingerprint") != speaker.fingerprint:
+        raise InputError(
+            f"{path} belongs to another speaker ({data.attrs.get('speaker')!r}); load it with the speaker it was "
+            "computed for"
+        )
+    return data
+
+
+def _node_set(speaker: Speaker, name: str) -> IntArray:
+    for sets in (speaker.node_sets, speaker.contours):
+        if name in sets:
+            return sets[name]
+    known = ", ".join([*speaker.node_sets, *speaker.contours]) or "none"
+    raise InputError(f"no node set {name!r}; this speaker has {known}")

@@ -1,0 +1,440 @@
+"""Scenes: a speaker and the effects that act on it; what motor commands make of it."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from glossa import _core
+from glossa.anatomy.arrays import BoolArray, FloatArray
+from glossa.anatomy.speaker import Speaker
+from glossa.body import Body, gather_fibres
+from glossa.boundary import nodal_loads, prescribed_positions
+from glossa.effects import (
+    DEFAULT,
+    FIRING_GRADIENT,
+    Damping,
+    Default,
+    Reflex,
+    Stiffening,
+    Yeoh,
+    gravity_vector,
+)
+from glossa.errors import InputError, SolveError, SolveInterrupted
+from glossa.motor.commands import MotorCommands, finite_number
+from glossa.motor.schedule import Schedule
+from glossa.results import Movement, Posture, SolveReport
+from glossa.simulation import Simulation
+
+log = logging.getLogger(__name__)
+
+STATIC_TOLERANCE = {"draft": 1e-5, "standard": 1e-8, "reference": 1e-11}
+"""Residual over force scale at which an equilibrium counts as converged, by accuracy."""
+
+
+class Scene:
+    """A speaker and the effects that act on it. An effect is off when its argument is None or False, and then free.
+
+    Args:
+        speaker: any body of hexahedra with its muscles.
+        gravity: "upright" (-z), "supine" (+x), a vector in m/s2, or None.
+        contact: contact with the speaker's walls. This version computes none: True is refused; left alone, the scene
+            has none and says so in :attr:`notes`.
+        friction: Coulomb coefficient of contact; without meaning where there is no contact.
+        hyoid: "fixed" holds the node set "hyoid"; "mobile" is refused by this version; left alone, it is fixed and
+            :attr:`notes` says so.
+        stiffening: eq. 1; True for its defaults, or :class:`Stiffening`.
+        reflex: eq. 2 with delay and rate; None: the activation follows the length at once, without rate.
+        force_velocity: eq. 5.
+        damping: Rayleigh damping of movements.
+        tissue: material.
+        element: "Q1P0" (mean dilatation) or "Q1" (locks; for comparison).
+        mirror: compute the half y >= 0 only; refused where the scene is not symmetric.
+        fixed: node sets held at rest. Left alone: "jaw", if the speaker has it.
+        firing_gradient: c of eq. 3, 1/m.
+        threads: of the element loops; results have the same bits for any number.
+
+    Raises:
+        InputError: impossible options, saying which and why.
+    """
+
+    def __init__(
+        self,
+        speaker: Speaker,
+        *,
+        gravity: str | Sequence[float] | None = "upright",
+        contact: bool | Default = DEFAULT,
+        friction: float | None = 0.1,
+        hyoid: str | Default = DEFAULT,
+        stiffening: bool | Stiffening = True,
+        reflex: Reflex | None = Reflex(),
+        force_velocity: bool = True,
+        damping: Damping | None = Damping(),
+        tissue: Yeoh = Yeoh(),
+        element: str = "Q1P0",
+        mirror: bool = False,
+        fixed: Sequence[str] | Default = DEFAULT,
+        firing_gradient: float = FIRING_GRADIENT,
+        threads: int = 1,
+    ) -> None:
+        if not isinstance(speaker, Speaker):
+            raise InputError(f"speaker must be a Speaker, got {type(speaker).__name__}")
+        self.speaker = speaker
+        self.gravity = gravity_vector(gravity)
+        self.stiffening = _stiffening(stiffening, speaker)
+        self.reflex = _instance(reflex, Reflex, "reflex", optional=True)
+        self.damping = _instance(damping, Damping, "damping", optional=True) or Damping(alpha=0.0, beta=0.0)
+        self.tissue = _instance(tissue, Yeoh, "tissue")
+        self.element = _one_of(element, ("Q1P0", "Q1"), "element")
+        self.force_velocity = _flag(force_velocity, "force_velocity")
+        self.mirror = _flag(mirror, "mirror")
+        self.firing_gradient = finite_number(firing_gradient, "firing gradient")
+        if self.firing_gradient <= 0.0:
+            raise InputError(f"firing gradient must be positive, got {firing_gradient!r}")
+        if isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 256:
+            raise InputError(f"threads must be a whole number from 1 to 256, got {threads!r}")
+        self.threads = threads
+        self.notes: tuple[str, ...] = ()
+        self._check_walls(contact, friction)
+        self.fixed = self._held_sets(fixed, hyoid)
+        for note in self.notes:
+            log.info("%s: %s", speaker.name or "scene", note)
+        self._seconds: Mapping[str, float] | None = None
+        self._body, self._solver  # noqa: B018 - symmetry and symbolic faults belong to construction
+
+    # Options
+
+    def _note(self, text: str) -> None:
+        self.notes = (*self.notes, text)
+
+    def _check_walls(self, contact: bool | Default, friction: float | None) -> None:
+        if contact is not DEFAULT and _flag(contact, "contact"):
+            missing = "" if self.speaker.walls else "this speaker has no walls, and "
+            raise InputError(f"contact=True: {missing}this version computes no wall contact; use contact=False")
+        if friction is not None and not 0.0 <= finite_number(friction, "friction") <= 10.0:
+            raise InputError(f"friction must lie between 0 and 10, got {friction!r}")
+        if contact is DEFAULT:
+            self._note("no wall contact: this version computes none")
+
+    def _held_sets(self, fixed: Sequence[str] | Default, hyoid: str | Default) -> tuple[str, ...]:
+        sets = self.speaker.node_sets
+        if isinstance(fixed, Default):
+            held = ["jaw"] if "jaw" in sets else []
+            if not held:
+                self._note("no node is held: the speaker has no node set 'jaw'")
+        else:
+            if isinstance(fixed, str):
+                raise InputError(f"fixed must be a sequence of node set names, got the string {fixed!r}")
+            held = list(fixed)
+        if isinstance(hyoid, Default):
+            if "hyoid" in sets:
+                self._note("the hyoid is fixed: this version moves none")
+                held.append("hyoid")
+        elif _one_of(hyoid, ("mobile", "fixed"), "hyoid") == "mobile":
+            missing = "" if self.speaker.hyoid else "this speaker has no hyoid, and "
+            raise InputError(f"hyoid='mobile': {missing}this version moves none; use hyoid='fixed'")
+        elif "hyoid" not in sets:
+            raise InputError("hyoid='fixed': this speaker has no node set 'hyoid'")
+        else:
+            held.append("hyoid")
+        for name in held:
+            if name not in sets:
+                raise InputError(f"fixed: no node set {name!r}; this speaker has {', '.join(sets) or 'none'}")
+        return tuple(dict.fromkeys(held))
+
+    @cached_property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects in force."""
+        chosen = {
+            "elasticity": True,
+            "muscles": bool(self.speaker.muscles),
+            "stiffening": bool(self.speaker.muscles) and self.stiffening is not None,
+            "reflex": bool(self.speaker.muscles) and self.reflex is not None,
+            "force_velocity": bool(self.speaker.muscles) and self.force_velocity,
+            "gravity": self.gravity is not None,
+            "damping": self.damping != Damping(alpha=0.0, beta=0.0),
+            "mirror": self.mirror,
+        }
+        return tuple(name for name, on in chosen.items() if on)
+
+    def cost(self) -> pd.Series[float]:
+        """Seconds of the last solve by part of the work.
+
+        Raises:
+            InputError: nothing has been solved yet.
+        """
+        if self._seconds is None:
+            raise InputError("nothing has been solved in this scene yet; call equilibrate or simulate first")
+        return pd.Series(dict(self._seconds), name="seconds", dtype=float)
+
+    def __repr__(self) -> str:
+        return f"Scene({self.speaker.name or 'unnamed speaker'}: {', '.join(self.effects)})"
+
+    # The body in the core
+
+    @cached_property
+    def _body(self) -> Body:
+        saturation = math.log(2.0) / self.firing_gradient
+        return Body(self.speaker, gather_fibres(self.speaker, self.stiffening, saturation), mirror=self.mirror)
+
+    @cached_property
+    def _free(self) -> BoolArray:
+        """(k, 3) components of the body that the scene lets move."""
+        held = np.zeros((len(self.speaker.nodes), 3), dtype=bool)
+        for name in self.fixed:
+            held[self.speaker.node_sets[name]] = True
+        held[self.speaker.outside_points] = True
+        free: BoolArray = ~(self._body.restrict_mask(held, "fixed") | self._body.held_by_symmetry())
+        return free
+
+    @cached_property
+    def _solver(self) -> _core.Solver:
+        gravity = self.gravity
+        if self.mirror and gravity is not None and gravity[1] != 0.0:
+            raise InputError(f"mirror=True needs gravity in the midsagittal plane, got {gravity}")
+        return _core.Solver(
+            self._body.nodes,
+            self._body.hexahedra,
+            self._body.core_fibres(),
+            muscle_count=len(self.speaker.muscles),
+            c10=self.tissue.c10,
+            c20=self.tissue.c20,
+            bulk_modulus=self.tissue.bulk_modulus,
+            density=self.tissue.density,
+            element=self.element,
+            firing_gradient=self.firing_gradient,
+            force_velocity=self.force_velocity,
+            stiffening=self.stiffening is not None,
+            reflex=None if self.reflex is None else (self.reflex.delay, self.reflex.velocity_gain),
+            damping=(self.damping.alpha, self.damping.beta),
+            gravity=gravity,
+            free=self._free.astype(np.uint8).ravel(),
+            threads=self.threads,
+        )
+
+    def _commands(self, commands: Any) -> MotorCommands | None:
+        if commands is None:
+            return None
+        checked = commands if isinstance(commands, MotorCommands) else MotorCommands(commands)
+        unknown = [name for name in checked if name not in self.speaker.muscles]
+        if unknown:
+            known = ", ".join(self.speaker.muscles) or "none"
+            raise InputError(f"unknown muscle {unknown[0]!r} in the commands; this speaker has {known}")
+        return checked
+
+    def _fractions(self, commands: MotorCommands | None) -> FloatArray:
+        """(muscles,) fractions in the speaker's order, NaN where silent."""
+        return np.array([math.nan if commands is None else commands.get(m, math.nan) for m in self.speaker.muscles])
+
+    # Solves
+
+    def equilibrate(
+        self,
+        commands: MotorCommands | Mapping[str, float] | None = None,
+        *,
+        start: Posture | FloatArray | None = None,
+        prescribed: Mapping[str, Any] | None = None,
+        loads: Mapping[str, Any] | None = None,
+        accuracy: str = "standard",
+        max_iterations: int = 150,
+    ) -> Posture:
+        """Static equilibrium of motor commands, gravity, loads and prescribed displacements.
+
+        Args:
+            commands: lambda by muscle; muscles not named are silent; None: no muscle acts.
+            start: posture or (n, 3) positions in m to start from; None: rest.
+            prescribed: displacement from rest of node sets, (3,) or (k, 3) in m; None as a component leaves it free.
+            loads: total dead force on node sets, (3,) in N. It is spread as a uniform traction over the boundary faces
+                that lie wholly in the set, or equally over its nodes where there are none.
+            accuracy: "draft", "standard" or "reference": residual below 1e-5, 1e-8 or 1e-11 of the force scale.
+            max_iterations: Newton iterations after which the solve is given up.
+
+        Raises:
+            InputError: wrong input, or a body that is not held.
+            SolveError: no convergence; ``posture`` is the last good state and ``report`` says what happened.
+            SolveInterrupted: Ctrl-C; ``posture`` is the last good state.
+        """
+        checked = self._commands(commands)
+        tolerance = STATIC_TOLERANCE[_one_of(accuracy, tuple(STATIC_TOLERANCE), "accuracy")]
+        if isinstance(max_iterations, bool) or not isinstance(max_iterations, int) or max_iterations < 1:
+            raise InputError(f"max_iterations must be a whole number above 0, got {max_iterations!r}")
+        from_positions, pressure = self._start(start)
+        held, target = prescribed_positions(self.speaker, prescribed or {})
+        free = self._free & ~self._body.restrict_mask(held, "prescribed")
+        targets = np.where(held, target, from_positions)
+        targets[self._held_nodes] = self.speaker.nodes[self._held_nodes]
+        load = nodal_loads(self.speaker, loads or {})
+        solution = self._solver.equilibrate(
+            fractions=self._fractions(checked),
+            start=self._body.restrict(from_positions, "start"),
+            pressure=None if pressure is None else self._body.restrict_elements(pressure),
+            target=self._body.restrict(targets, "prescribed"),
+            free=free.astype(np.uint8).ravel(),
+            load=None if load is None else self._body.restrict_forces(load, "loads"),
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+        )
+        posture = self._posture(solution, checked, free)
+        return self._finished(posture)
+
+    @cached_property
+    def _held_nodes(self) -> BoolArray:
+        """(n,) nodes of the speaker that the scene holds at rest."""
+        held = np.zeros(len(self.speaker.nodes), dtype=bool)
+        for name in self.fixed:
+            held[self.speaker.node_sets[name]] = True
+        held[self.speaker.outside_points] = True
+        return held
+
+    def _start(self, start: Posture | FloatArray | None) -> tuple[FloatArray, FloatArray | None]:
+        if start is None:
+            return self.speaker.nodes, None
+        if isinstance(start, Posture):
+            if start.speaker is not self.speaker and start.speaker.fingerprint != self.speaker.fingerprint:
+                raise InputError("start: this posture belongs to another speaker")
+            return start.positions, start.pressure
+        try:
+            positions = np.asarray(start, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError("start must be a Posture or an array of node positions") from None
+        if positions.shape != self.speaker.nodes.shape:
+            raise InputError(f"start: positions need shape {self.speaker.nodes.shape}, got {positions.shape}")
+        if not np.isfinite(positions).all():
+            raise InputError("start: positions must be finite")
+        return positions, None
+
+    def _posture(self, solution: Any, commands: MotorCommands | None, free: BoolArray) -> Posture:
+        body = self._body
+        support = np.where(free, 0.0, solution.force)
+        return Posture(
+            speaker=self.speaker,
+            commands=commands,
+            positions=body.expand(solution.positions),
+            activations=body.expand_fibres(solution.activation),
+            fibre_forces=body.expand_tensions(solution.tension),
+            pressure=body.expand_elements(solution.pressure),
+            stiffening=body.expand_elements(solution.stiffening),
+            support_forces=body.expand_forces(support),
+            report=SolveReport.from_core(solution.report),
+        )
+
+    def _finished(self, posture: Posture) -> Posture:
+        report = posture.report
+        assert report is not None
+        self._seconds = report.seconds
+        if report.converged:
+            return posture
+        if report.status == "interrupted":
+            raise SolveInterrupted("equilibrium interrupted; .posture is the last good state", posture=posture)
+        raise SolveError(
+            f"no equilibrium: {report.status} after {report.iterations} iterations, residual {report.residual:.3g} N of "
+            f"a force scale of {report.force_scale:.3g} N, smallest Jacobian {report.least_jacobian:.3g} in hexahedron "
+            f"{report.worst_element}; .posture is the last good state. Start from a nearer posture or change the "
+            "commands in smaller steps",
+            status=report.status,
+            posture=posture,
+            report=report,
+        )
+
+    def start(
+        self,
+        schedule: Schedule | MotorCommands | Mapping[str, float] | None = None,
+        *,
+        dt: float | None = None,
+        accuracy: str | float = "standard",
+        initial: Posture | None = None,
+        integrator: str = "SDIRK2",
+    ) -> Simulation:
+        """A movement to be advanced step by step from Python; arguments as :meth:`simulate`."""
+        if isinstance(schedule, Schedule):
+            for commands in (schedule.at(float(time)) for time in schedule.corners[:1]):
+                self._commands(commands)
+            planned = schedule
+        else:
+            planned = Schedule([0.0], [self._commands(schedule) or MotorCommands({})])
+        positions, pressure = self._start(initial)
+        return Simulation(
+            self.speaker,
+            self._body,
+            self._solver,
+            planned,
+            positions=positions,
+            pressure=pressure,
+            dt=dt,
+            accuracy=accuracy,
+            integrator=integrator,
+        )
+
+    def simulate(
+        self,
+        schedule: Schedule | MotorCommands | Mapping[str, float] | None,
+        until: float,
+        *,
+        dt: float | None = None,
+        accuracy: str | float = "standard",
+        initial: Posture | None = None,
+        integrator: str = "SDIRK2",
+    ) -> Movement:
+        """Movement under motor commands that change with time, from rest at time 0.
+
+        Args:
+            schedule: commands over time; constant commands; or None: no muscle acts.
+            until: end, s.
+            dt: longest time step, s, for fixed steps: intervals between corners of the commands (and their first
+                echoes after the reflex delay) are divided equally. Steps beyond 2/3 of the delay are divided further,
+                because the reflex needs the past. None: steps adapt to the accuracy.
+            accuracy: "draft", "standard" or "reference", or the tolerated local error of a step in m.
+            initial: posture to start from, at rest; None: rest positions.
+            integrator: "SDIRK2", "BDF2", "backward_euler" or "trapezoidal" (the last two for comparison).
+
+        Raises:
+            InputError: wrong input.
+            SolveError: a step failed; ``movement`` holds what was computed.
+            SolveInterrupted: Ctrl-C; ``movement`` holds what was computed.
+        """
+        simulation = self.start(schedule, dt=dt, accuracy=accuracy, initial=initial, integrator=integrator)
+        try:
+            movement = simulation.run(until)
+        finally:
+            self._seconds = simulation.report.seconds
+        return movement
+
+
+def _flag(value: Any, what: str) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{what} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def _one_of(value: Any, allowed: Sequence[str], what: str) -> str:
+    if not isinstance(value, str) or value not in allowed:
+        raise InputError(f"{what} must be one of {', '.join(map(repr, allowed))}, got {value!r}")
+    return value
+
+
+def _instance(value: Any, kind: type, what: str, *, optional: bool = False) -> Any:
+    if value is None and optional:
+        return None
+    if not isinstance(value, kind):
+        alternative = " or None" if optional else ""
+        raise InputError(f"{what} must be a {kind.__name__}{alternative}, got {value!r}")
+    return value
+
+
+def _stiffening(value: bool | Stiffening | None, speaker: Speaker) -> Stiffening | None:
+    if value is None or value is False:
+        return None
+    if value is True:
+        return Stiffening()
+    if not isinstance(value, Stiffening):
+        raise InputError(f"stiffening must be True, False or Stiffening, got {value!r}")
+    unknown = [name for name in value.gains if name not in speaker.muscles]
+    if unknown:
+        raise InputError(f"stiffening: unknown muscle {unknown[0]!r}; this speaker has {', '.join(speaker.muscles)}")
+    return value

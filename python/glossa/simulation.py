@@ -1,0 +1,198 @@
+"""Movements, advanced step by step or as a whole."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from glossa import _core
+from glossa.anatomy.arrays import FloatArray
+from glossa.anatomy.speaker import Speaker
+from glossa.body import Body
+from glossa.errors import InputError, SolveError, SolveInterrupted
+from glossa.motor.commands import finite_number
+from glossa.motor.schedule import Schedule
+from glossa.results import Movement, Posture, SolveReport
+
+LOCAL_ERROR = {"draft": 20e-6, "standard": 5e-6, "reference": 0.2e-6}
+"""Tolerated local error of an adaptive step, m, by accuracy."""
+
+STAGE_TOLERANCE = {"draft": 1e-5, "standard": 2e-6, "reference": 1e-9}
+"""Residual of a stage over force scale, by accuracy."""
+
+LONGEST_STEP = 0.010
+"""Longest adaptive step, s."""
+
+INTEGRATORS = ("SDIRK2", "BDF2", "backward_euler", "trapezoidal")
+
+
+class Simulation:
+    """A movement under way; made by :meth:`glossa.Scene.start`.
+
+    A step that fails leaves the state as it was.
+    """
+
+    def __init__(
+        self,
+        speaker: Speaker,
+        body: Body,
+        solver: _core.Solver,
+        schedule: Schedule,
+        *,
+        positions: FloatArray,
+        pressure: FloatArray | None,
+        dt: float | None,
+        accuracy: str | float,
+        integrator: str,
+    ) -> None:
+        error, tolerance = _accuracy(accuracy)
+        step = LONGEST_STEP if dt is None else finite_number(dt, "dt")
+        if step <= 0.0:
+            raise InputError(f"dt must be positive, got {dt!r} s")
+        if integrator not in INTEGRATORS:
+            raise InputError(f"integrator must be one of {', '.join(map(repr, INTEGRATORS))}, got {integrator!r}")
+        times, fractions = schedule.table
+        unknown = [name for name in schedule.muscles if name not in speaker.muscles]
+        if unknown:
+            known = ", ".join(speaker.muscles) or "none"
+            raise InputError(f"unknown muscle {unknown[0]!r} in the schedule; this speaker has {known}")
+        table = np.full((len(times), len(speaker.muscles)), np.nan)
+        place = {name: k for k, name in enumerate(speaker.muscles)}
+        table[:, [place[name] for name in schedule.muscles]] = fractions
+        self.speaker = speaker
+        self.schedule = schedule
+        self._body = body
+        self._core = _core.Simulation(
+            solver,
+            times=times,
+            fractions=table.ravel(),
+            positions=body.restrict(positions, "initial"),
+            pressure=None if pressure is None else body.restrict_elements(pressure),
+            max_step=step,
+            error_tolerance=error if dt is None else 0.0,
+            tolerance=tolerance,
+            integrator=integrator,
+        )
+
+    @property
+    def time(self) -> float:
+        """Present time, s."""
+        return float(self._core.time)
+
+    @property
+    def positions(self) -> FloatArray:
+        """(n, 3) present positions, m."""
+        return self._body.expand(self._core.positions)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """(n, 3) present velocities, m/s."""
+        return self._body.expand(self._core.velocities)
+
+    @property
+    def state(self) -> Any:
+        """Everything the future depends on; a copy. Assigning a state goes back to it."""
+        return self._core.state
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        if not isinstance(state, _core.State):
+            raise InputError(f"state must come from a simulation, got {type(state).__name__}")
+        self._core.state = state
+
+    @property
+    def report(self) -> SolveReport:
+        """What the movement has taken so far."""
+        return SolveReport.from_core(self._core.report)
+
+    @property
+    def posture(self) -> Posture:
+        """The present moment."""
+        return Posture(
+            speaker=self.speaker,
+            commands=self.schedule.at(max(self.time, 0.0)),
+            positions=self.positions,
+            activations=self._body.expand_fibres(self._core.activation),
+            fibre_forces=self._body.expand_tensions(self._core.tension),
+            pressure=None,
+            stiffening=None,
+            support_forces=None,
+            report=self.report,
+            time=self.time,
+        )
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Of the body or, mirrored, of its half, J."""
+        return float(self._core.kinetic_energy)
+
+    @property
+    def potential_energy(self) -> float:
+        """Of tissue and weight, without the muscles, of the body or, mirrored, of its half, J."""
+        return float(self._core.potential_energy)
+
+    def step(self, dt: float) -> float:
+        """Advance by ``dt`` seconds, in shorter steps where options or reflex ask for it; returns the new time.
+
+        Raises:
+            InputError: a ``dt`` that is not positive and finite.
+            SolveError, SolveInterrupted: as :meth:`run`; the state is that of the last good step.
+        """
+        status = self._core.step(finite_number(dt, "dt"))
+        if status != "converged":
+            self._fail(status, None)
+        return self.time
+
+    def run(self, until: float) -> Movement:
+        """Advance to a time in s and return the movement from now to then.
+
+        Raises:
+            InputError: an end that does not lie ahead.
+            SolveError: a step failed; ``movement`` holds what was computed.
+            SolveInterrupted: Ctrl-C; ``movement`` holds what was computed.
+        """
+        core, body = self._core, self._body
+        now = (core.time, core.positions, core.velocities, core.activation, core.tension)
+        status, times, positions, velocities, activation, tension = core.solve(finite_number(until, "until"))
+        movement = Movement(
+            speaker=self.speaker,
+            times=np.concatenate([[now[0]], times]),
+            positions=np.stack([body.expand(frame) for frame in (now[1], *positions)]),
+            velocities=np.stack([body.expand(frame) for frame in (now[2], *velocities)]),
+            activations=body.expand_fibres(np.concatenate([now[3][None], activation])),
+            fibre_forces=body.expand_tensions(np.concatenate([now[4][None], tension])),
+            report=self.report,
+        )
+        if status != "converged":
+            self._fail(status, movement)
+        return movement
+
+    def _fail(self, status: str, movement: Movement | None) -> None:
+        if status == "interrupted":
+            raise SolveInterrupted(
+                f"movement interrupted at {self.time:g} s; .movement holds what was computed",
+                posture=self.posture,
+                movement=movement,
+            )
+        raise SolveError(
+            f"no time step from {self.time:g} s on could be solved ({status}); .movement and .posture hold what was "
+            "computed. Use smaller steps or slower commands",
+            status=status,
+            posture=self.posture,
+            movement=movement,
+            report=self.report,
+        )
+
+
+def _accuracy(accuracy: str | float) -> tuple[float, float]:
+    """Local error (m) and stage tolerance."""
+    if isinstance(accuracy, str):
+        if accuracy not in LOCAL_ERROR:
+            allowed = ", ".join(map(repr, LOCAL_ERROR))
+            raise InputError(f"accuracy must be {allowed} or a local error in m, got {accuracy!r}")
+        return LOCAL_ERROR[accuracy], STAGE_TOLERANCE[accuracy]
+    error = finite_number(accuracy, "accuracy")
+    if error <= 0.0:
+        raise InputError(f"accuracy must be a positive local error in m, got {accuracy!r}")
+    return error, min(STAGE_TOLERANCE["draft"], max(STAGE_TOLERANCE["reference"], 0.4 * error))
