@@ -76,22 +76,12 @@ std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& he
   return std::make_unique<Solver>(Scene(HexMesh(to_field(nodes, "nodes"), std::move(elements)), std::move(options)));
 }
 
-std::vector<bool> commanded(const std::vector<double>& fractions) {
-  std::vector<bool> flags;
-  for (const double x : fractions) {
-    require(std::isnan(x) || (std::isfinite(x) && x > 0.0),
-            "commands: lambda must be positive (NaN for a silent muscle), it is " + std::to_string(x));
-    flags.push_back(!std::isnan(x));
-  }
-  return flags;
-}
-
 Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const DoubleArray& start,
                             const py::object& pressure, const DoubleArray& target, const ByteArray& free,
                             const py::object& load, double tolerance, int max_iterations, bool quasi_newton) {
   const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
   const std::vector<double> command = to_vector(fractions);
-  const std::shared_ptr<System> shared = solver.system(to_vector(free), commanded(command));
+  const std::shared_ptr<System> shared = solver.system(to_vector(free), commanded_muscles(command));
   System& system = *shared;
   system.set_command(command);
   system.set_load(load.is_none() ? NodeField{} : to_field(load.cast<DoubleArray>(), "loads", nodes));
@@ -110,6 +100,16 @@ Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const 
 }
 
 }  // namespace
+
+std::vector<bool> commanded_muscles(const std::vector<double>& fractions) {
+  std::vector<bool> flags;
+  for (const double x : fractions) {
+    require(std::isnan(x) || (std::isfinite(x) && x > 0.0),
+            "commands: lambda must be positive (NaN for a silent muscle), it is " + std::to_string(x));
+    flags.push_back(!std::isnan(x));
+  }
+  return flags;
+}
 
 void bind_scene(py::module_& module) {
   py::class_<Solver>(module, "Solver",

@@ -31,4 +31,5 @@ PYBIND11_MODULE(_core, module) {
   glossa::python::bind_results(module);
   glossa::python::bind_scene(module);
   glossa::python::bind_simulation(module);
+  glossa::python::bind_system(module);
 }

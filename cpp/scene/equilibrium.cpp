@@ -75,8 +75,9 @@ class EquilibriumSolver {
     NodeField coupling;
     system_.multiply(trial_, gap, coupling);
     if (!system_.factorise(report_)) return Status::indefinite;
+    const Vector residual = system_.restrict_free(force_), stiffness = system_.restrict_free(coupling);
     for (double part = 1.0; part > 1e-4; part *= 0.5) {
-      Vector step = system_.restrict_free(force_) + part * system_.restrict_free(coupling);
+      Vector step = residual + part * stiffness;
       system_.precondition(step, report_);
       Trial next = trial_;
       NodeField increment(gap.size(), 0.0);

@@ -13,6 +13,9 @@ namespace {
 constexpr double smallest_part = 1.0 / 64.0;  // of a step, before it is given up
 constexpr int echoes = 2;  // how often a corner of the commands is honoured again after one delay
 
+// Times closer than this (s) are one: sums of steps differ from corners of the commands by rounding.
+double same_time(double time) { return 1e-9 * (1.0 + std::abs(time)); }
+
 }  // namespace
 
 Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options, const NodeField& positions,
@@ -67,14 +70,18 @@ double Simulation::longest_step() const {
 
 double Simulation::next_breakpoint(double until) const {
   const double delay = delayed() ? system_.scene().options().reflex->delay : 0.0;
-  const double beyond = state_.time + 1e-9 * (1.0 + std::abs(state_.time));
-  double next = until;
+  const double beyond = state_.time + same_time(state_.time);
+  double next = until + same_time(until);
+  bool found = false;
   for (const double corner : commands_.corners())
     for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo) {
       const double at = corner + echo * delay;
-      if (at > beyond && at < next) next = at;
+      if (at > beyond && at <= next) {
+        next = at;
+        found = true;
+      }
     }
-  return next;
+  return found ? next : until;
 }
 
 double Simulation::proposed_step(double until) const {
@@ -85,14 +92,14 @@ double Simulation::proposed_step(double until) const {
 }
 
 Status Simulation::advance(double until, Recording* recording) {
-  require(std::isfinite(until) && until > state_.time,
+  require(std::isfinite(until) && until - state_.time > same_time(until),
           "simulation: the end must lie after the present time " + std::to_string(state_.time) + " s, it is " +
               std::to_string(until));
   const auto begin = std::chrono::steady_clock::now();
   const Seconds before = system_.seconds();
   report_.status = Status::converged;
   system_.set_load({});
-  while (state_.time < until && report_.status == Status::converged) {
+  while (until - state_.time > same_time(until) && report_.status == Status::converged) {
     if (options_.interrupt && options_.interrupt()) {
       report_.status = Status::interrupted;
       break;

@@ -147,6 +147,7 @@ bool Simulation::renew_factor(const Stage& stage, const Trial& trial) {
   const bool done = system_.factorise(report_);
   factor_hg_ = done ? stage.hg : 0.0;
   factor_stamp_ = system_.factor_stamp();
+  anderson_.reset();
   return done;
 }
 
@@ -199,7 +200,6 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
       }
       if (!renew_factor(stage, trial)) return false;
       fresh = true;
-      anderson_.reset();
       continue;
     }
     best = std::min(best, residual_);

@@ -14,7 +14,7 @@ namespace glossa {
 class Anderson {
  public:
   explicit Anderson(std::size_t memory = 8) : memory_(memory) {}
-  /// Forgets the past.
+  /// Forgets the past: the factor or the equation has changed.
   void reset();
   /// The increment of u, from the residual G(u) and F = -P^(-1) G(u) at the present iterate. `u` must be the iterate.
   [[nodiscard]] Vector increment(const Vector& u, const Vector& F, const Vector& G);

@@ -267,8 +267,8 @@ class Scene:
         from_positions, pressure = self._start(start)
         held, target = prescribed_positions(self.speaker, prescribed or {})
         free = self._free & ~self._body.restrict_mask(held, "prescribed")
-        targets = np.where(held, target, from_positions)
-        targets[self._held_nodes] = self.speaker.nodes[self._held_nodes]
+        at_rest = np.where(self._held_nodes[:, None], self.speaker.nodes, from_positions)
+        targets = np.where(held, target, at_rest)
         load = nodal_loads(self.speaker, loads or {})
         solution = self._solver.equilibrate(
             fractions=self._fractions(checked),

@@ -1,0 +1,302 @@
+"""The commands. Each reads options, computes, and hands results to figures, files and output."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+import glossa
+from glossa import paper
+from glossa.cli import output
+from glossa.cli.options import (
+    PICTURES,
+    AccuracyOption,
+    GravityOption,
+    JsonOption,
+    MirrorOption,
+    Plot3dOption,
+    PlotOption,
+    ResolutionOption,
+    SpeakerOption,
+    VowelArgument,
+    VtkOption,
+    check_output,
+    make_scene,
+    make_speaker,
+    vowel_name,
+)
+from glossa.errors import InputError
+from glossa.motor import VOWELS, Ramp
+from glossa.results import Posture
+from glossa.scene import Scene
+from glossa.studies import posture_table, single_muscle, single_muscle_command, vowels
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["--help", "-h"]},
+    epilog="Example: glossa vowels --plot vowels.png",
+)
+
+
+@app.callback(invoke_without_command=True)
+def glossa_command(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True)] = False,
+) -> None:
+    """A simulator of the human tongue: motor commands in, tongue shapes out.
+
+    Results go to stdout, everything else to stderr. Exit codes: 0 done, 1 a solve failed, 2 wrong input,
+    130 interrupted. Every command has its own --help.
+    """
+    if version:
+        typer.echo(glossa.__version__)
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit
+
+
+@app.command("vowels", epilog="Examples: glossa vowels | glossa vowels --plot v.pdf | glossa vowels -g supine --json")
+@output.guarded
+def vowels_command(
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    gravity: GravityOption = "upright",
+    mirror: MirrorOption = None,
+    plot: PlotOption = None,
+    plot_3d: Plot3dOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The equilibria of /i/, /ə/, /u/ and /a/ (Table III), their forces beside the paper's, and displacements."""
+    check_output(plot, PICTURES)
+    check_output(plot_3d, PICTURES)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    postures = vowels(scene)
+    table = posture_table(postures)
+    if as_json:
+        rows = {name: output.posture_json(table, name) for name in postures}
+        output.print_json({"speaker": scene.speaker.name, "vowels": rows})
+    else:
+        output.print_postures(scene, postures, table)
+    from glossa import figures
+
+    if plot is not None:
+        _write(figures.overview(postures, paper.forces()), plot)
+    if plot_3d is not None:
+        _write(figures.surfaces(postures), plot_3d)
+    _refuse_unconverged(postures)
+
+
+@app.command("vowel", epilog="Examples: glossa vowel i --plot i.png --vtk i.vtu | glossa vowel @ --json")
+@output.guarded
+def vowel_command(
+    vowel: VowelArgument,
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    gravity: GravityOption = "upright",
+    mirror: MirrorOption = None,
+    plot: PlotOption = None,
+    plot_3d: Plot3dOption = None,
+    vtk: VtkOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The equilibrium of one vowel."""
+    name = vowel_name(vowel)
+    _check_outputs(plot, plot_3d, vtk)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    posture = vowels(scene, [name])[name]
+    _report_posture(scene, name, posture, {"vowel": name}, as_json)
+    _write_posture(name, posture, plot, plot_3d, vtk)
+
+
+@app.command("movement", epilog="Examples: glossa movement i --plot i.png | glossa movement u --until 0.4 --save u.nc")
+@output.guarded
+def movement_command(
+    vowel: VowelArgument,
+    until: Annotated[float, typer.Option("--until", "-u", metavar="SECONDS", help="End of the movement, s.")] = 0.2,
+    ramp: Annotated[
+        float, typer.Option("--ramp", metavar="SECONDS", help="Time the commands take to change, s.")
+    ] = 0.03,
+    accuracy: AccuracyOption = "standard",
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    gravity: GravityOption = "upright",
+    mirror: MirrorOption = None,
+    plot: PlotOption = None,
+    save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write it as NetCDF (.nc).")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The movement from rest to a vowel: tip and dorsum, and forces, over time."""
+    name = vowel_name(vowel)
+    check_output(plot, PICTURES)
+    check_output(save, (".nc",))
+    schedule = Ramp(VOWELS[name], duration=ramp)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    movement = scene.simulate(schedule, until, accuracy=accuracy)
+    if as_json:
+        output.print_json(output.movement_json(movement, name))
+    else:
+        output.print_movement(movement, name)
+    if save is not None:
+        movement.save(save)
+        output.wrote(save)
+    if plot is not None:
+        from glossa.figures import movement_traces
+
+        _write(movement_traces(movement), plot)
+
+
+@app.command("muscle", epilog="Examples: glossa muscle GGp | glossa muscle Sty --command 0.9 --plot sty.png")
+@output.guarded
+def muscle_command(
+    muscle: Annotated[str, typer.Argument(metavar="MUSCLE", help="GGa GGm GGp Sty HG Vert Trans IL SL GH MH.")],
+    command: Annotated[
+        float | None,
+        typer.Option(
+            "--command",
+            "-c",
+            metavar="FRACTION",
+            help="Lambda as a fraction of rest length; less pulls harder.",
+            show_default="0.75; 0.85 for Sty, IL, SL",
+        ),
+    ] = None,
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    gravity: GravityOption = "upright",
+    mirror: MirrorOption = None,
+    plot: PlotOption = None,
+    plot_3d: Plot3dOption = None,
+    vtk: VtkOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """What one muscle does alone (section III.A.1, fig. 5): every other muscle is silent."""
+    _check_outputs(plot, plot_3d, vtk)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    posture = single_muscle(scene, muscle, command)
+    fraction = single_muscle_command(muscle) if command is None else command
+    _report_posture(scene, muscle, posture, {"muscle": muscle, "command": fraction}, as_json)
+    _write_posture(muscle, posture, plot, plot_3d, vtk)
+
+
+@app.command("muscles", epilog="Examples: glossa muscles | glossa muscles --plot muscles.png")
+@output.guarded
+def muscles_command(
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    plot: PlotOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The muscles of a speaker; --plot draws elements, fibres and insertions as fig. 1."""
+    check_output(plot, PICTURES)
+    body = make_speaker(speaker, resolution)
+    if as_json:
+        output.print_json({"speaker": body.name, "muscles": output.muscles_json(body)})
+    else:
+        output.print_muscles(body)
+    if plot is not None:
+        from glossa.figures import muscles
+
+        _write(muscles(body), plot)
+
+
+@app.command(
+    "speaker", epilog="Examples: glossa speaker | glossa speaker -r 2 --save fine.npz | glossa speaker -s pb --json"
+)
+@output.guarded
+def speaker_command(
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    summary: Annotated[bool, typer.Option("--summary", help="Print the summary, also with --save.")] = False,
+    save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write the speaker to one file.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Summary of a speaker, or a copy of it in glossa's own file format."""
+    check_output(save)
+    body = make_speaker(speaker, resolution)
+    if as_json:
+        output.print_json(output.speaker_json(body))
+    elif summary or save is None:
+        typer.echo(body.summary())
+    if save is not None:
+        body.save(save)
+        output.wrote(save)
+
+
+@app.command("view", epilog="Examples: glossa view | glossa view i | glossa view i --muscle GGp --screenshot i.png")
+@output.guarded
+def view_command(
+    vowel: Annotated[str | None, typer.Argument(metavar="[VOWEL]", help="i, a, u, ə (or @); left out: rest.")] = None,
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    gravity: GravityOption = "upright",
+    mirror: MirrorOption = None,
+    muscle: Annotated[str | None, typer.Option("--muscle", metavar="MUSCLE", help="Show its fibres.")] = None,
+    screenshot: Annotated[Path | None, typer.Option("--screenshot", metavar="FILE", help="A PNG, no window.")] = None,
+) -> None:
+    """A 3D view to turn and zoom; needs pyvista: pip install 'glossa[view]'."""
+    name = None if vowel is None else vowel_name(vowel)
+    check_output(screenshot, (".png",))
+    _need("pyvista", "the 3D view", "glossa[view]")
+    body = make_speaker(speaker, resolution)
+    scene = make_scene(body, "none" if name is None else gravity, mirror)
+    posture = scene.equilibrate(None if name is None else VOWELS[name])
+    from glossa.figures.interactive import view
+
+    view(posture, muscle=muscle, screenshot=screenshot)
+    if screenshot is not None:
+        output.wrote(screenshot)
+
+
+def _need(module: str, what: str, requirement: str) -> None:
+    if importlib.util.find_spec(module) is None:
+        raise InputError(f"{what} needs {module}; install it with: pip install '{requirement}'")
+
+
+def _check_outputs(plot: Path | None, plot_3d: Path | None, vtk: Path | None) -> None:
+    check_output(plot, PICTURES)
+    check_output(plot_3d, PICTURES)
+    check_output(vtk, (".vtu", ".vtk"))
+    if vtk is not None:
+        _need("meshio", "--vtk", "meshio")
+
+
+def _report_posture(scene: Scene, name: str, posture: Posture, facts: dict[str, object], as_json: bool) -> None:
+    postures = {name: posture}
+    table = posture_table(postures)
+    if as_json:
+        output.print_json({"speaker": scene.speaker.name, **facts, **output.posture_json(table, name)})
+    else:
+        output.print_postures(scene, postures, table)
+    _refuse_unconverged(postures)
+
+
+def _write_posture(name: str, posture: Posture, plot: Path | None, plot_3d: Path | None, vtk: Path | None) -> None:
+    from glossa import figures
+
+    if plot is not None:
+        _write(figures.midsagittal({name: posture}), plot)
+    if plot_3d is not None:
+        _write(figures.surfaces({name: posture}), plot_3d)
+    if vtk is not None:
+        posture.to_meshio().write(vtk)
+        output.wrote(vtk)
+
+
+def _write(figure: Figure, path: Path) -> None:
+    figure.savefig(path)
+    output.wrote(path)
+
+
+def _refuse_unconverged(postures: dict[str, Posture]) -> None:
+    failed = {name: p.report for name, p in postures.items() if p.report is not None and not p.report.converged}
+    if failed:
+        words = "; ".join(f"{name}: {r.status} after {r.iterations} iterations" for name, r in failed.items())
+        raise output.failure(f"no equilibrium ({words})", 1)

@@ -1,0 +1,224 @@
+"""What the command line prints: tables for people, JSON for machines."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import typer
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+from glossa import paper
+from glossa.anatomy.speaker import Speaker
+from glossa.errors import InputError, SolveError
+from glossa.results import Movement, Posture
+from glossa.scene import Scene
+from glossa.studies import displacements_mm, tracked_nodes
+
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
+
+
+def guarded(command: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """Decorator of commands: a fault becomes one line on stderr and an exit code."""
+
+    @wraps(command)
+    def run(*args: _Parameters.args, **options: _Parameters.kwargs) -> _Result:
+        try:
+            return command(*args, **options)
+        except SolveError as error:
+            raise failure(str(error), 1) from error
+        except (InputError, ImportError, OSError) as error:
+            raise failure(str(error), 2) from error
+        except KeyboardInterrupt as stop:
+            raise failure(str(stop) or "interrupted", 130) from stop
+
+    return run
+
+
+def failure(message: str, code: int) -> typer.Exit:
+    """Say what went wrong; the exit to raise."""
+    say(" ".join(message.split()))
+    return typer.Exit(code)
+
+
+def say(message: str) -> None:
+    """One line on stderr."""
+    sys.stderr.write(f"glossa: {message}\n")
+
+
+def wrote(path: Path) -> None:
+    """Tell of a file, on stderr."""
+    say(f"wrote {path}")
+
+
+# JSON
+
+
+def print_json(value: Mapping[str, Any]) -> None:
+    """One JSON object on stdout."""
+    sys.stdout.write(json.dumps(value, ensure_ascii=False, indent=2, allow_nan=False) + "\n")
+
+
+def posture_json(table: xr.Dataset, name: str) -> dict[str, Any]:
+    """One posture of :func:`glossa.studies.posture_table`; null where it has not converged."""
+    row = table.sel(posture=name)
+    forces = zip(table["muscle"].values.tolist(), row["forces"].values.tolist(), strict=True)
+    return {
+        "converged": bool(row["converged"]),
+        "forces_N": {muscle: _number(force) for muscle, force in forces},
+        "formants_Hz": None,
+        "tip_displacement_mm": [_number(x) for x in row["displacement"].sel(point="tip").values.tolist()],
+        "dorsum_displacement_mm": [_number(x) for x in row["displacement"].sel(point="dorsum").values.tolist()],
+        "iterations": int(row["iterations"]),
+        "seconds": _number(float(row["seconds"]), 6),
+    }
+
+
+def movement_json(movement: Movement, name: str) -> dict[str, Any]:
+    """Times, displacements of tip and dorsum, and forces."""
+    rest = movement.speaker.nodes
+    moved = {
+        f"{point}_displacement_mm": ((movement.positions[:, node] - rest[node])[:, [0, 2]] * 1e3).round(6).tolist()
+        for point, node in tracked_nodes(movement.speaker).items()
+    }
+    forces = movement.forces
+    return {
+        "speaker": movement.speaker.name,
+        "vowel": name,
+        "converged": movement.report.converged,
+        "times_s": movement.times.tolist(),
+        "forces_N": {muscle: forces[muscle].round(6).tolist() for muscle in forces},
+        **moved,
+        "steps": movement.report.steps,
+        "seconds": _number(movement.report.seconds["total"], 6),
+    }
+
+
+def speaker_json(speaker: Speaker) -> dict[str, Any]:
+    """Counts, volume and muscles."""
+    return {
+        "speaker": speaker.name,
+        "nodes": len(speaker.nodes),
+        "hexahedra": len(speaker.hexahedra),
+        "volume_cm3": _number(speaker.volume * 1e6, 6),
+        "least_scaled_jacobian": _number(float(speaker.scaled_jacobians.min()), 6),
+        "muscles": muscles_json(speaker),
+        "node_sets": {name: len(nodes) for name, nodes in speaker.node_sets.items()},
+        "contours": {name: len(nodes) for name, nodes in speaker.contours.items()},
+        "walls": list(speaker.walls),
+        "hyoid": speaker.hyoid is not None,
+        "fingerprint": speaker.fingerprint,
+    }
+
+
+def muscles_json(speaker: Speaker) -> dict[str, Any]:
+    """Size and force capacity of every muscle."""
+    result: dict[str, Any] = {}
+    for name, muscle in speaker.muscles.items():
+        lengths = speaker.fibre_rest_lengths(name) * 1e3
+        result[name] = {
+            "fibres": len(muscle.fibres),
+            "fibre_length_mm": [_number(float(x), 6) for x in (lengths.min(), lengths.mean(), lengths.max())],
+            "elements": len(muscle.elements),
+            "volume_cm3": _number(float(speaker.element_volumes[muscle.elements].sum() * 1e6), 6),
+            "force_capacity_N": muscle.force_capacity,
+        }
+    return result
+
+
+def _number(value: float, digits: int = 9) -> float | None:
+    return round(value, digits) + 0.0 if math.isfinite(value) else None
+
+
+# Tables
+
+
+def print_postures(scene: Scene, postures: Mapping[str, Posture], table: xr.Dataset) -> None:
+    """Forces beside Table II, and displacements; for postures without a row in Table II, active muscles only."""
+    console = Console()
+    console.print(f"{scene.speaker.name}: {', '.join(scene.effects)}", style="bold", highlight=False)
+    console.print("Muscle forces, N" + (": here / paper's Table II" if _in_table_2(table) else ""), highlight=False)
+    console.print(_force_table(table))
+    console.print("Displacement from rest, mm: x backward, z upward", highlight=False)
+    console.print(_displacement_table(postures, table))
+    for note in scene.notes:
+        console.print(f"note: {note}", style="dim", highlight=False)
+
+
+def _force_table(table: xr.Dataset) -> Table:
+    published = paper.forces()
+    shown = Table()
+    shown.add_column("")
+    names = table["posture"].values.tolist()
+    for name in names:
+        shown.add_column(_slashed(name), justify="right")
+    for muscle in table["muscle"].values.tolist():
+        cells = []
+        if not _in_table_2(table) and not (table["forces"].sel(muscle=muscle) >= 0.005).any():
+            continue
+        for name in names:
+            own = f"{float(table['forces'].sel(posture=name, muscle=muscle)):.2f}"
+            known = name in published.index and muscle in published.columns
+            cells.append(f"{own} / {float(published.loc[name, muscle]):5.2f}" if known else own)
+        shown.add_row(muscle, *cells)
+    return shown
+
+
+def _in_table_2(table: xr.Dataset) -> bool:
+    return any(name in paper.forces().index for name in table["posture"].values.tolist())
+
+
+def _displacement_table(postures: Mapping[str, Posture], table: xr.Dataset) -> Table:
+    shown = Table()
+    for heading in ("", "tip x", "tip z", "dorsum x", "dorsum z", "iterations", "seconds"):
+        shown.add_column(heading, justify="right" if heading else "left")
+    for name in postures:
+        row = table.sel(posture=name)
+        moved = row["displacement"].values.ravel().tolist()
+        count = f"{int(row['iterations'])}" if bool(row["converged"]) else "not converged"
+        shown.add_row(_slashed(name), *(f"{x:+.1f}" for x in moved), count, f"{float(row['seconds']):.2f}")
+    return shown
+
+
+def print_movement(movement: Movement, name: str) -> None:
+    """Final forces and displacements, and what the movement took."""
+    console = Console()
+    end = movement.at(float(movement.times[-1]))
+    moved = displacements_mm(end)
+    report = movement.report
+    console.print(f"{movement.speaker.name}: movement to {_slashed(name)}", style="bold", highlight=False)
+    console.print(
+        f"{movement.times[-1] * 1e3:g} ms in {report.steps} steps ({report.rejected} repeated), "
+        f"{report.seconds['total']:.2f} s of computing",
+        highlight=False,
+    )
+    for point, (x, z) in moved.items():
+        console.print(f"{point} at the end: x {x:+.1f} mm (backward), z {z:+.1f} mm (upward)", highlight=False)
+    forces = end.forces
+    active = ", ".join(f"{muscle} {force:.2f}" for muscle, force in forces.items() if force >= 0.005)
+    console.print(f"forces at the end, N: {active or 'none'}", highlight=False)
+
+
+def print_muscles(speaker: Speaker) -> None:
+    """A row for each muscle."""
+    shown = Table(title=f"{speaker.name}: muscles", title_justify="left", title_style="bold")
+    headings = ("", "fibres", "rest lengths, mm", "elements", "volume, cm³", "capacity, N")
+    for heading in headings:
+        shown.add_column(heading, justify="right" if heading else "left")
+    for name, muscle in muscles_json(speaker).items():
+        low, _, high = muscle["fibre_length_mm"]
+        cells = (muscle["fibres"], f"{low:.1f} – {high:.1f}", muscle["elements"], f"{muscle['volume_cm3']:.1f}")
+        shown.add_row(name, *map(str, cells), f"{muscle['force_capacity_N']:g}")
+    Console().print(shown)
+
+
+def _slashed(name: str) -> str:
+    return f"/{name}/" if name in paper.forces().index else name

@@ -1,0 +1,19 @@
+"""Figures: functions that take results and draw; none of them simulates, none keeps global state.
+
+Each returns a :class:`matplotlib.figure.Figure`, to show in a notebook or to write with ``savefig``.
+"""
+
+from glossa.figures.charts import force_bars, movement_traces
+from glossa.figures.midsagittal import midsagittal, midsagittal_panels
+from glossa.figures.overview import overview
+from glossa.figures.spatial import muscles, surfaces
+
+__all__ = [
+    "force_bars",
+    "midsagittal",
+    "midsagittal_panels",
+    "movement_traces",
+    "muscles",
+    "overview",
+    "surfaces",
+]
