@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "bindings/arrays.hpp"
-#include "effect/elasticity_kernel.hpp"
+#include "core/instruction_set.hpp"
 #include "scene/solver.hpp"
 
 namespace glossa::python {

@@ -37,9 +37,11 @@ std::unique_ptr<Simulation> start(Solver& solver, const DoubleArray& times, cons
 }
 
 py::array_t<double> frames(std::vector<double> values, std::size_t count, std::size_t columns) {
-  py::array_t<double> flat = to_array(std::move(values));
-  if (columns == 3) return flat.attr("reshape")(count, -1, 3);
-  return flat.attr("reshape")(count, columns);
+  return to_array(std::move(values)).attr("reshape")(count, columns);
+}
+
+py::array_t<double> vector_frames(std::vector<double> values, std::size_t count) {
+  return to_array(std::move(values)).attr("reshape")(count, -1, 3);
 }
 
 py::tuple run(Simulation& simulation, double until) {
@@ -47,8 +49,8 @@ py::tuple run(Simulation& simulation, double until) {
   const Status status = released([&] { return simulation.advance(until, &recording); });
   const std::size_t count = recording.times.size();
   const auto fibres = static_cast<std::size_t>(simulation.system().scene().options().fibres.count());
-  return py::make_tuple(status_name(status), to_array(recording.times), frames(recording.positions, count, 3),
-                        frames(recording.velocities, count, 3), frames(recording.activation, count, fibres),
+  return py::make_tuple(status_name(status), to_array(recording.times), vector_frames(recording.positions, count),
+                        vector_frames(recording.velocities, count), frames(recording.activation, count, fibres),
                         frames(recording.tension, count, fibres));
 }
 

@@ -57,14 +57,17 @@ class Pieces {
     return factorised_ && report_.indefinite == 0;
   }
 
-  py::array_t<double> solve(const DoubleArray& right) {
+  py::array_t<double> solve(const DoubleArray& right, bool roughly) {
     need(factorised_, "solve needs a successful factorise() first");
     const auto& unknowns = system_->component_of_unknown();
     require(right.ndim() == 1 && right.shape(0) == static_cast<py::ssize_t>(unknowns.size()),
             "right side: one value per unknown is needed");
     Vector x = Eigen::Map<const Vector>(right.data(), right.shape(0));
     released([&] {
-      system_->precondition(x, report_);
+      if (roughly)
+        system_->precondition(x);
+      else
+        system_->newton_step(x);
       return 0;
     });
     return to_array(std::vector<double>(x.data(), x.data() + x.size()));
@@ -101,7 +104,8 @@ void bind_system(py::module_& module) {
       .def("assemble", &Pieces::assemble, "Symmetric tangent at these positions.")
       .def("matrix", &Pieces::matrix, "Lower triangle: column starts, rows, values (N/m).")
       .def("factorise", &Pieces::factorise, "True if the tangent is positive definite as it is.")
-      .def("solve", &Pieces::solve, py::arg("right"), "Minus the inverse of the tangent times a vector of the unknowns.")
+      .def("solve", &Pieces::solve, py::arg("right"), py::kw_only(), py::arg("roughly") = false,
+           "Minus the inverse of the tangent times a vector of the unknowns; roughly: in single precision.")
       .def_property_readonly("unknowns", &Pieces::unknowns, "Flat component 3 n + i of every unknown.")
       .def_property_readonly("factor_entries", &Pieces::factor_entries)
       .def_property_readonly("factor_flops", &Pieces::factor_flops);

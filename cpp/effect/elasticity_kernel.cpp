@@ -11,12 +11,10 @@
 namespace glossa::GLOSSA_KERNEL {
 namespace {
 
-GLOSSA_ALWAYS_INLINE Pack load(const double* from) {
-  Pack value;
-  __builtin_memcpy(&value, from, sizeof value);
-  return value;
-}
-GLOSSA_ALWAYS_INLINE void store(double* to, Pack value) { __builtin_memcpy(to, &value, sizeof value); }
+typedef double LoosePack __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
+
+GLOSSA_ALWAYS_INLINE Pack load(const double* from) { return *reinterpret_cast<const LoosePack*>(from); }
+GLOSSA_ALWAYS_INLINE void store(double* to, Pack value) { *reinterpret_cast<LoosePack*>(to) = value; }
 GLOSSA_ALWAYS_INLINE Pack smaller(Pack a, Pack b) { return a < b ? a : b; }
 
 struct PointState {

@@ -54,9 +54,6 @@ struct ElasticSweep {
 /// Sweeps the batches [begin, end). The widest instruction set of this processor is chosen at run time.
 void sweep_elements(const ElasticSweep& sweep, int begin, int end);
 
-/// Instruction set that sweep_elements uses here: "avx2" or "baseline".
-const char* kernel_name();
-
 namespace baseline {
 void sweep_elements(const ElasticSweep& sweep, int begin, int end);
 }

@@ -78,7 +78,7 @@ class EquilibriumSolver {
     const Vector residual = system_.restrict_free(force_), stiffness = system_.restrict_free(coupling);
     for (double part = 1.0; part > 1e-4; part *= 0.5) {
       Vector step = residual + part * stiffness;
-      system_.precondition(step, report_);
+      system_.newton_step(step);
       Trial next = trial_;
       NodeField increment(gap.size(), 0.0);
       system_.add_free(step, 1.0, increment);
@@ -134,7 +134,7 @@ class EquilibriumSolver {
   Status newton_step(bool hold_factors, double& accepted) {
     const Vector G = system_.restrict_free(force_);
     Vector step = G;
-    system_.precondition(step, report_);
+    system_.newton_step(step);
     const double reach = largest(step);
     double length = reach > options_.max_step ? options_.max_step / reach : 1.0;
     const double slope = G.dot(step);
@@ -181,7 +181,7 @@ class EquilibriumSolver {
       ++report_.quasi_newton;
       const Vector G = system_.restrict_free(force_);
       Vector F = G;
-      system_.precondition(F, report_);
+      system_.precondition(F);
       const Vector u = system_.restrict_free(trial_.positions);
       Vector step = anderson_.increment(u, F, G);
       const double reach = largest(step);

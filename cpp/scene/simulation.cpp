@@ -104,7 +104,7 @@ Status Simulation::advance(double until, Recording* recording) {
       report_.status = Status::interrupted;
       break;
     }
-    cross_jump();
+    std::optional<State> uncrossed = cross_jump();
     const double whole = proposed_step(until);
     double h = whole;
     bool taken = false;
@@ -137,7 +137,10 @@ Status Simulation::advance(double until, Recording* recording) {
       accept(std::move(next), h, error);
       if (recording != nullptr) record(*recording);
     }
-    if (!taken) report_.status = Status::stalled;
+    if (!taken) {
+      report_.status = Status::stalled;
+      if (uncrossed) state_ = std::move(*uncrossed);
+    }
   }
   report_.seconds = system_.seconds();
   for (std::size_t k = 0; k < before.of.size(); ++k) report_.seconds.of[k] -= before.of[k];
@@ -219,11 +222,13 @@ std::vector<double> Simulation::stiffening_of(const std::vector<double>& activat
 }
 
 // Where the commands jump, so do the stiffening factors, and w = M v + beta f with them: v does not.
-void Simulation::cross_jump() {
+// Returns the state before, if there is a jump.
+std::optional<State> Simulation::cross_jump() {
   const std::vector<double> before = commands_.at(state_.time, false), after = commands_.at(state_.time, true);
   const bool jump = !std::equal(before.begin(), before.end(), after.begin(),
                                 [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
-  if (!jump || !system_.muscles() || state_.last_step == 0.0) return;
+  if (!jump || !system_.muscles() || state_.last_step == 0.0) return std::nullopt;
+  State before_jump = state_;
   std::vector<double> activation = state_.activation;
   if (delayed())
     given_activation(state_.time, true, activation);
@@ -244,6 +249,7 @@ void Simulation::cross_jump() {
   state_.stiffening = std::move(factors);
   state_.activation = std::move(activation);
   state_.last_step = 0.0;
+  return before_jump;
 }
 
 void Simulation::tissue_force(const NodeField& positions, const std::vector<double>& isochoric, double volumetric,

@@ -1,6 +1,8 @@
 // Movement of a scene under motor commands that change with time.
 #pragma once
 
+#include <optional>
+
 #include "muscle/delay_history.hpp"
 #include "scene/command_table.hpp"
 #include "scene/system.hpp"
@@ -78,7 +80,7 @@ class Simulation {
 
   void given_activation(double time, bool after, std::vector<double>& activation);
   [[nodiscard]] std::vector<double> stiffening_of(const std::vector<double>& activation) const;
-  void cross_jump();
+  std::optional<State> cross_jump();
   void tissue_force(const NodeField& positions, const std::vector<double>& isochoric, double volumetric,
                     NodeField& force);
 

@@ -154,9 +154,15 @@ bool System::factorise(Report& report) {
   return false;
 }
 
-void System::precondition(Vector& x, Report&) {
+void System::newton_step(Vector& x) {
   const Stopwatch watch(seconds_, Part::solve);
   cholesky_->solve(x);
+  x = -x;
+}
+
+void System::precondition(Vector& x) {
+  const Stopwatch watch(seconds_, Part::solve);
+  cholesky_->solve_roughly(x);
   x = -x;
 }
 

@@ -42,8 +42,10 @@ class System {
   void assemble(const Trial& trial, double mass_scale, Report& report);
   /// Factorises the assembled tangent; on failure shifts its diagonal until it is positive definite.
   [[nodiscard]] bool factorise(Report& report);
-  /// x <- - P^(-1) x with the present factor.
-  void precondition(Vector& x, Report& report);
+  /// x <- - P^(-1) x with the present factor, exactly (Newton's step).
+  void newton_step(Vector& x);
+  /// The same in single precision, for quasi-Newton iterations: half the time.
+  void precondition(Vector& x);
   /// K x for a node field, tangent of the last assemble (without mass).
   void multiply(const Trial& trial, const NodeField& x, NodeField& product) const;
 

@@ -29,7 +29,7 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
   Trial trial = stage_trial(stage);
   if (!solve_stage(stage, trial)) return false;
   if (method == Integrator::sdirk2) {
-    // u2 = u + (1 - gamma) h V1 + gamma h V2, and the same for w.
+    // u2 = u + (1 - gamma) h V1 + gamma h V2, and the same for w and, where the activation follows, for s.
     const double weight = (1.0 - sdirk2_gamma) / sdirk2_gamma;
     const NodeField momentum = stage_momentum(stage, trial);
     for (std::size_t k = 0; k < momentum.size(); ++k) {
@@ -40,7 +40,11 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
     system_.elasticity().set_pressure(pressure);
     stage.time = state_.time + h;
     stage.offset = h;
-    if (!delayed()) stage.span = h;
+    if (!delayed()) {
+      const std::vector<double> factors = stiffening_of(trial.activation);
+      for (std::size_t e = 0; e < factors.size(); ++e)
+        stage.base_stiffening[e] += weight * (factors[e] - state_.stiffening[e]);
+    }
     NodeField guess = trial.velocities;
     for (std::size_t k = 0; k < guess.size(); ++k)
       guess[k] = stage.base_positions[k] + stage.hg * guess[k];
@@ -180,7 +184,10 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
     ++report_.quasi_newton;
     const Vector G = system_.restrict_free(force_);
     Vector F = G;
-    system_.precondition(F, report_);
+    if (newton)
+      system_.newton_step(F);
+    else
+      system_.precondition(F);
     const Vector increment = newton ? F : anderson_.increment(system_.restrict_free(trial.positions), F, G);
     const bool hopeless = !(increment.cwiseAbs().maxCoeff() < largest_increment);
     Trial previous;

@@ -23,8 +23,11 @@ class Anderson {
   struct Difference {
     Vector u, F, G;
   };
+  void remember(Difference difference);
+
   std::size_t memory_;
   std::deque<Difference> differences_;
+  Eigen::MatrixXd products_;  // dF' dG of all pairs of differences
   Vector u_, F_, G_;
   bool has_last_ = false;
 };

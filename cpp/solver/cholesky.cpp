@@ -13,6 +13,8 @@
 extern "C" void openblas_set_num_threads(int);
 #endif
 
+#include "solver/single_factor.hpp"
+
 namespace glossa {
 namespace {
 
@@ -95,7 +97,8 @@ struct Cholesky::Impl {
   cholmod_dense* solution = nullptr;
   cholmod_dense* work_y = nullptr;
   cholmod_dense* work_e = nullptr;
-  bool ready = false;
+  SingleFactor single;
+  bool single_current = false;
   double entries = 0.0;
   double flops = 0.0;
 
@@ -137,8 +140,8 @@ bool Cholesky::factorise(const LowerColumns& matrix) {
   common.quick_return_if_not_posdef = 1;
   const int done = cholmod_factorize(&view, impl_->factor, &common);
   if (!done && common.status < CHOLMOD_OK) fail(common, "factorisation");
-  impl_->ready = common.status != CHOLMOD_NOT_POSDEF && impl_->factor->minor == impl_->factor->n;
-  return impl_->ready;
+  impl_->single_current = false;
+  return common.status != CHOLMOD_NOT_POSDEF && impl_->factor->minor == impl_->factor->n;
 }
 
 void Cholesky::solve(Vector& x) const {
@@ -159,7 +162,17 @@ void Cholesky::solve(Vector& x) const {
   std::copy(from, from + x.size(), x.data());
 }
 
-bool Cholesky::ready() const { return impl_->ready; }
+void Cholesky::solve_roughly(Vector& x) {
+  if (!impl_->single_current) {
+    const cholmod_factor& factor = *impl_->factor;
+    const auto ints = [](const void* p) { return static_cast<const Index*>(p); };
+    impl_->single.copy(factor.nsuper, ints(factor.super), ints(factor.pi), ints(factor.s), ints(factor.px),
+                       static_cast<const double*>(factor.x));
+    impl_->single_current = true;
+  }
+  impl_->single.solve(x);
+}
+
 double Cholesky::factor_entries() const { return impl_->entries; }
 double Cholesky::factor_flops() const { return impl_->flops; }
 
