@@ -43,8 +43,7 @@ void MuscleForce::add_force(const Trial& trial, NodeField& force) {
     tension_[k] *= law_.velocity_factor(rate_[k] / fibres_.rest_length[k]);
     const Index* path = fibres_.nodes.begin(f);
     for (Index s = 0; s + 1 < fibres_.nodes.length(f); ++s) {
-      const Vector3 pull =
-          tension_[k] * (at(trial.positions, path[s + 1]) - at(trial.positions, path[s])).normalized();
+      const Vector3 pull = tension_[k] * fibre_segment(fibres_, f, s, trial.positions).direction;
       Eigen::Map<Vector3>(force.data() + 3 * path[s]) -= pull;
       Eigen::Map<Vector3>(force.data() + 3 * path[s + 1]) += pull;
     }
@@ -69,19 +68,18 @@ void MuscleForce::add_tangent(const Trial& trial, BlockMatrix& matrix) {
     const auto k = static_cast<std::size_t>(f);
     if (trial.activation[k] <= 0.0) continue;
     const double axial = axial_stiffness(trial, k);
-    const Index* path = fibres_.nodes.begin(f);
     const Index count = fibres_.nodes.length(f);
     fibre_gradient(fibres_, f, trial.positions, gradient_);
+    bend_.resize(static_cast<std::size_t>(count));
+    for (Index s = 0; s + 1 < count; ++s)
+      bend_[static_cast<std::size_t>(s)] = tension_[k] * fibre_segment(fibres_, f, s, trial.positions).curvature();
     const BlockMatrix::Slot* slot = slots_.data() + slot_start_[k];
     for (Index b = 0; b < count; ++b)
       for (Index a = 0; a <= b; ++a, ++slot) {
         Matrix3 block = axial * gradient_[static_cast<std::size_t>(a)] * gradient_[static_cast<std::size_t>(b)].transpose();
-        if (a + 1 == b)
-          block -= tension_[k] * segment_curvature(at(trial.positions, path[a]), at(trial.positions, path[b]));
-        if (a == b && b > 0)
-          block += tension_[k] * segment_curvature(at(trial.positions, path[b - 1]), at(trial.positions, path[b]));
-        if (a == b && b + 1 < count)
-          block += tension_[k] * segment_curvature(at(trial.positions, path[b]), at(trial.positions, path[b + 1]));
+        if (a + 1 == b) block -= bend_[static_cast<std::size_t>(a)];
+        if (a == b && b > 0) block += bend_[static_cast<std::size_t>(b) - 1];
+        if (a == b && b + 1 < count) block += bend_[static_cast<std::size_t>(b)];
         matrix.add(*slot, block);
       }
   }
@@ -108,8 +106,7 @@ void MuscleForce::multiply(const Trial& trial, const NodeField& x, NodeField& pr
     for (std::size_t a = 0; a < gradient.size(); ++a)
       Eigen::Map<Vector3>(product.data() + 3 * path[a]) += axial * gradient[a];
     for (std::size_t a = 0; a + 1 < gradient.size(); ++a) {
-      const Vector3 turn = tension_[k] *
-                           segment_curvature(at(trial.positions, path[a]), at(trial.positions, path[a + 1])) *
+      const Vector3 turn = tension_[k] * fibre_segment(fibres_, f, static_cast<Index>(a), trial.positions).curvature() *
                            (at(x, path[a + 1]) - at(x, path[a]));
       Eigen::Map<Vector3>(product.data() + 3 * path[a]) -= turn;
       Eigen::Map<Vector3>(product.data() + 3 * path[a + 1]) += turn;

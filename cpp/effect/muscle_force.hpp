@@ -44,6 +44,7 @@ class MuscleForce final : public Effect {
   std::vector<Index> slot_start_;
   std::vector<BlockMatrix::Slot> slots_;
   std::vector<Vector3> gradient_;
+  std::vector<Matrix3> bend_;  // tension times curvature of each segment
 };
 
 }  // namespace glossa

@@ -1,46 +1,54 @@
 #include "muscle/macrofibre.hpp"
 
+#include <cmath>
+
 namespace glossa {
 namespace {
 
-template <class Visit>
-void for_segments(const Macrofibres& fibres, Index f, Visit&& visit) {
-  const Index* path = fibres.nodes.begin(f);
-  const Index count = fibres.nodes.length(f);
-  for (Index k = 0; k + 1 < count; ++k) visit(k, path[k], path[k + 1]);
-}
+constexpr double softening = 0.01;  // of the rest length of a segment
+const double added_at_rest = std::sqrt(1.0 + softening * softening) - 1.0;
 
 }  // namespace
 
+Segment fibre_segment(const Macrofibres& fibres, Index f, Index k, const NodeField& positions) {
+  const auto entry = static_cast<std::size_t>(fibres.nodes.start[static_cast<std::size_t>(f)] + k);
+  const Vector3 d = at(positions, fibres.nodes.values[entry + 1]) - at(positions, fibres.nodes.values[entry]);
+  const double rest = fibres.segment_rest.empty() ? 0.0 : fibres.segment_rest[entry];
+  const double divisor = std::sqrt(d.squaredNorm() + softening * softening * rest * rest);
+  return {d / divisor, divisor - added_at_rest * rest, divisor};
+}
+
+void soften_segments(Macrofibres& fibres, const NodeField& rest) {
+  fibres.segment_rest.assign(fibres.nodes.values.size(), 0.0);
+  for (Index f = 0; f < fibres.count(); ++f)
+    for (Index k = 0; k + 1 < fibres.nodes.length(f); ++k) {
+      const auto entry = static_cast<std::size_t>(fibres.nodes.start[static_cast<std::size_t>(f)] + k);
+      fibres.segment_rest[entry] =
+          (at(rest, fibres.nodes.values[entry + 1]) - at(rest, fibres.nodes.values[entry])).norm();
+    }
+}
+
 double fibre_length(const Macrofibres& fibres, Index f, const NodeField& positions) {
   double sum = 0.0;
-  for_segments(fibres, f, [&](Index, Index a, Index b) { sum += (at(positions, b) - at(positions, a)).norm(); });
+  for (Index k = 0; k + 1 < fibres.nodes.length(f); ++k) sum += fibre_segment(fibres, f, k, positions).length;
   return sum * fibres.length_factor[static_cast<std::size_t>(f)];
 }
 
 double fibre_rate(const Macrofibres& fibres, Index f, const NodeField& positions, const NodeField& velocities) {
+  const Index* path = fibres.nodes.begin(f);
   double sum = 0.0;
-  for_segments(fibres, f, [&](Index, Index a, Index b) {
-    const Vector3 d = at(positions, b) - at(positions, a);
-    sum += d.dot(at(velocities, b) - at(velocities, a)) / d.norm();
-  });
+  for (Index k = 0; k + 1 < fibres.nodes.length(f); ++k)
+    sum += fibre_segment(fibres, f, k, positions).direction.dot(at(velocities, path[k + 1]) - at(velocities, path[k]));
   return sum * fibres.length_factor[static_cast<std::size_t>(f)];
 }
 
 void fibre_gradient(const Macrofibres& fibres, Index f, const NodeField& positions, std::vector<Vector3>& gradient) {
   gradient.assign(static_cast<std::size_t>(fibres.nodes.length(f)), Vector3::Zero());
-  for_segments(fibres, f, [&](Index k, Index a, Index b) {
-    const Vector3 n = (at(positions, b) - at(positions, a)).normalized();
+  for (Index k = 0; k + 1 < fibres.nodes.length(f); ++k) {
+    const Vector3 n = fibre_segment(fibres, f, k, positions).direction;
     gradient[static_cast<std::size_t>(k)] -= n;
     gradient[static_cast<std::size_t>(k) + 1] += n;
-  });
-}
-
-Matrix3 segment_curvature(const Vector3& a, const Vector3& b) {
-  const Vector3 d = b - a;
-  const double length = d.norm();
-  const Vector3 n = d / length;
-  return (Matrix3::Identity() - n * n.transpose()) / length;
+  }
 }
 
 }  // namespace glossa

@@ -1,4 +1,9 @@
 // Macrofibres: polylines of mesh nodes under one tension.
+//
+// A segment that a strong pull shortens to nothing would turn its direction about: the force jumps and equilibrium lies
+// on the kink. Segment lengths are therefore softened, sqrt(d^2 + (0.01 d0)^2) minus what that adds at rest: the rest
+// length d0 is kept exactly, a segment at half its length is 1e-4 shorter, and one below a few percent of d0 stops
+// pulling smoothly.
 #pragma once
 
 #include "core/types.hpp"
@@ -23,6 +28,7 @@ struct Macrofibres {
   std::vector<double> length_factor;
   std::vector<double> rest_length;  ///< m, length factor included
   Rows<Stiffened> stiffened;
+  std::vector<double> segment_rest;  ///< m, for each entry of nodes.values the segment that starts there; empty: not soft
 
   [[nodiscard]] Index count() const { return nodes.size(); }
 };
@@ -36,7 +42,22 @@ double fibre_rate(const Macrofibres& fibres, Index f, const NodeField& positions
 /// Derivative of the length of the polyline (without length factor) with respect to its nodes, in path order.
 void fibre_gradient(const Macrofibres& fibres, Index f, const NodeField& positions, std::vector<Vector3>& gradient);
 
-/// Second derivative of the length of one segment from `a` to `b` (positions, m) with respect to b: (1 - n n') / length.
-Matrix3 segment_curvature(const Vector3& a, const Vector3& b);
+/// One segment of a fibre at some positions.
+struct Segment {
+  Vector3 direction;  ///< derivative of the softened length with respect to the far end; a unit vector but for softening
+  double length;      ///< m, softened
+  double divisor;     ///< m, sqrt(d^2 + softening^2)
+
+  /// Second derivative of the length with respect to the far end, 1/m.
+  [[nodiscard]] Matrix3 curvature() const {
+    return (Matrix3::Identity() - direction * direction.transpose()) / divisor;
+  }
+};
+
+/// Segment k (from the k-th node to the next) of fibre f.
+Segment fibre_segment(const Macrofibres& fibres, Index f, Index k, const NodeField& positions);
+
+/// Sets segment_rest from rest positions.
+void soften_segments(Macrofibres& fibres, const NodeField& rest);
 
 }  // namespace glossa

@@ -8,12 +8,17 @@
 namespace glossa {
 namespace {
 
-constexpr double absolute_force = 1e-12;  // N, below which a residual counts as zero whatever the scale
+// Residual that rounding leaves at rest, where no force sets a scale: relative to bulk modulus times area of the body.
+constexpr double rounding = 1e-14;
 
 class EquilibriumSolver {
  public:
   EquilibriumSolver(System& system, const EquilibriumOptions& options, Report& report)
-      : system_(system), options_(options), report_(report), trial_(system.rest_trial()) {}
+      : system_(system), options_(options), report_(report), trial_(system.rest_trial()) {
+    double volume = 0.0;
+    for (Index e = 0; e < system.scene().mesh().element_count(); ++e) volume += system.scene().mesh().volume(e);
+    least_force_ = rounding * system.scene().options().tissue.kappa * std::pow(volume, 2.0 / 3.0);
+  }
 
   bool start(const NodeField& positions, const std::vector<double>& pressure) {
     trial_.positions = positions;
@@ -64,10 +69,10 @@ class EquilibriumSolver {
     if (follow) system_.stiffening(trial, trial.isochoric_scale);
     system_.force(trial, force_);
     residual_ = system_.norm_free(force_);
-    scale_ = std::max(scale_, system_.force_scale());
+    scale_ = system_.force_scale();
   }
 
-  [[nodiscard]] bool small(double tolerance) const { return residual_ <= tolerance * scale_ + absolute_force; }
+  [[nodiscard]] bool small(double tolerance) const { return residual_ <= tolerance * scale_ + least_force_; }
 
   // Moves the held components by as much of `gap` as a linear predictor survives.
   Status advance(const NodeField& gap, double& left) {
@@ -152,8 +157,8 @@ class EquilibriumSolver {
       const bool valid = std::isfinite(residual_) && uninverted();
       met_inversion = met_inversion || !valid;
       const double change = valid ? system_.energy(next) - energy : 0.0;
-      const double rounding = 1e-13 * (std::abs(energy) + 1e-6);
-      if (valid && (change <= 1e-4 * length * slope + rounding || (length == 1.0 && residual_ < 0.1 * before))) {
+      const double noise = 1e-13 * (std::abs(energy) + 1e-6);
+      if (valid && (change <= 1e-4 * length * slope + noise || (length == 1.0 && residual_ < 0.1 * before))) {
         for (std::size_t e = 0; e < predicted.size(); ++e)
           next.pressure[e] += length * (predicted[e] - next.pressure[e]);
         trial_ = std::move(next);
@@ -215,6 +220,7 @@ class EquilibriumSolver {
   Anderson anderson_;
   double residual_ = 0.0;
   double scale_ = 0.0;
+  double least_force_ = 0.0;
 
  public:
   [[nodiscard]] double residual() const { return residual_; }

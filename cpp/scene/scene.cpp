@@ -65,6 +65,7 @@ Scene::Scene(HexMesh mesh, SceneOptions options) : mesh_(std::move(mesh)), optio
     if (mesh_.outside(n))
       for (std::size_t i = 0; i < 3; ++i) options_.free[3 * static_cast<std::size_t>(n) + i] = 0;
   check_fibres(mesh_, options_);
+  soften_segments(options_.fibres, mesh_.nodes());
   batches_ = rest_batches(mesh_);
   masses_ = element_masses(mesh_, options_.density);
   if (options_.gravity) weight_ = gravity_load(mesh_, options_.density, *options_.gravity);

@@ -23,6 +23,8 @@ Macrofibres chosen(const Macrofibres& all, const std::vector<bool>& commanded, s
     origin.push_back(f);
     result.nodes.values.insert(result.nodes.values.end(), all.nodes.begin(f), all.nodes.end(f));
     result.nodes.push_row();
+    const auto first = all.segment_rest.begin() + all.nodes.start[k];
+    result.segment_rest.insert(result.segment_rest.end(), first, first + all.nodes.length(f));
     result.stiffened.values.insert(result.stiffened.values.end(), all.stiffened.begin(f), all.stiffened.end(f));
     result.stiffened.push_row();
     result.muscle.push_back(all.muscle[k]);
@@ -137,17 +139,16 @@ bool System::factorise(Report& report) {
   ++factor_stamp_;
   if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
   ++report.indefinite;
-  // Diagonal shift, from a thousandth of the mean stiffness upwards; the direction stays one of descent.
+  // Diagonal shift, growing from half a percent of the mean stiffness; the direction stays one of descent.
   const LowerColumns& columns = matrix_.columns(scene_.options().threads);
   double mean = 0.0;
   const std::size_t n = columns.column_start.size() - 1;
   for (std::size_t j = 0; j < n; ++j) mean += std::abs(columns.value[static_cast<std::size_t>(columns.column_start[j])]);
   mean /= static_cast<double>(n);
   if (!std::isfinite(mean)) return false;
-  double shift = 1e-3 * mean, sum = 0.0;
-  for (int attempt = 0; attempt < 8; ++attempt, shift *= 4.0) {
+  double shift = 5e-3 * mean;
+  for (int attempt = 0; attempt < 7; ++attempt, shift *= 5.0) {
     matrix_.shift_diagonal(shift);
-    sum += shift;
     ++report.factorisations;
     if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
   }

@@ -139,7 +139,7 @@ void Simulation::evaluate(const Stage& stage, Trial& trial) {
   system_.force(trial, force_);
   for (std::size_t k = 0; k < force_.size(); ++k) force_[k] -= stage.base_momentum[k] / stage.hg;
   residual_ = system_.norm_free(force_);
-  scale_ = std::max(scale_, system_.force_scale());
+  scale_ = system_.force_scale();  // of this very state: a wild trial must not loosen the tolerance
 }
 
 bool Simulation::valid() const {

@@ -16,6 +16,7 @@ from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.speaker import Speaker
 from glossa.errors import InputError
 from glossa.motor.commands import MotorCommands
+from glossa.motor.schedule import Schedule
 
 if TYPE_CHECKING:
     import meshio
@@ -241,6 +242,7 @@ class Movement:
         activations: (t, f) m.
         fibre_forces: (t, f) N.
         report: how it was found.
+        schedule: motor commands over time; None for a movement read from a file.
     """
 
     speaker: Speaker
@@ -250,6 +252,7 @@ class Movement:
     activations: FloatArray
     fibre_forces: FloatArray
     report: SolveReport
+    schedule: Schedule | None = None
 
     @property
     def forces(self) -> pd.DataFrame:
@@ -282,7 +285,7 @@ class Movement:
         )
         return Posture(
             speaker=self.speaker,
-            commands=None,
+            commands=None if self.schedule is None else self.schedule.at(float(time)),
             positions=positions,
             activations=(1 - x) * self.activations[k] + x * self.activations[after],
             fibre_forces=(1 - x) * self.fibre_forces[k] + x * self.fibre_forces[after],
@@ -331,12 +334,14 @@ class Movement:
         data = read_dataset(path, "movement", speaker)
         report = json.loads(data.attrs["report"])
         report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
-        names = ("positions", "velocities", "activations", "fibre_forces")
         return cls(
             speaker=speaker,
             times=data["time"].values,
+            positions=data["positions"].values,
+            velocities=data["velocities"].values,
+            activations=data["activations"].values,
+            fibre_forces=data["fibre_forces"].values,
             report=SolveReport(**report),
-            **{name: data[name].values for name in names},
         )
 
 

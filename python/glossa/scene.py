@@ -103,8 +103,8 @@ class Scene:
         self.notes: tuple[str, ...] = ()
         self._check_walls(contact, friction)
         self.fixed = self._held_sets(fixed, hyoid)
-        for note in self.notes:
-            log.info("%s: %s", speaker.name or "scene", note)
+        if self.notes:
+            log.info("%s: %s", speaker.name or "scene", "; ".join(self.notes))
         self._seconds: Mapping[str, float] | None = None
         self._body, self._solver  # noqa: B018 - symmetry and symbolic faults belong to construction
 

@@ -164,6 +164,7 @@ class Simulation:
             activations=body.expand_fibres(np.concatenate([now[3][None], activation])),
             fibre_forces=body.expand_tensions(np.concatenate([now[4][None], tension])),
             report=self.report,
+            schedule=self.schedule,
         )
         if status != "converged":
             self._fail(status, movement)

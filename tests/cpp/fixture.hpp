@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,11 +16,11 @@
 
 // Passes where `residual` is at most `tolerance`; NaN fails. With GLOSSA_RESIDUALS set in the environment every
 // comparison prints what it found, so that a tolerance can be held against the residual it allows for.
-#define CHECK_WITHIN(residual, tolerance)                                    \
-  do {                                                                       \
-    const double residual_found = (residual);                                \
+#define CHECK_WITHIN(residual, tolerance)                                            \
+  do {                                                                               \
+    const double residual_found = (residual);                                        \
     ::glossa::test::print_residual(__FILE__, __LINE__, residual_found, (tolerance)); \
-    CHECK(residual_found <= (tolerance));                                    \
+    CHECK(residual_found <= (tolerance));                                            \
   } while (false)
 
 namespace glossa::test {
@@ -79,16 +80,16 @@ double slope(Function&& f, double h) {
   return (8.0 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12.0 * h);
 }
 
-/// A block of nx x ny x nz cells (edge `cell`, m), its inner and outer nodes moved at random by up to `distortion` of an
-/// edge. Node (i, j, k) has the number i + (nx + 1) (j + (ny + 1) k). `outside` further nodes belong to no hexahedron.
+/// A block of nx x ny x nz cells (edge `cell`, m), its inner and outer nodes moved at random by up to `distortion` of
+/// an edge. Node (i, j, k) has the number i + (nx + 1) (j + (ny + 1) k). `outside` further nodes belong to no
+/// hexahedron.
 inline HexMesh block(Index nx, Index ny, Index nz, double distortion = 0.0, double cell = 0.01, Index outside = 0) {
   Random random(7);
   NodeField nodes;
   for (Index k = 0; k <= nz; ++k)
     for (Index j = 0; j <= ny; ++j)
       for (Index i = 0; i <= nx; ++i)
-        for (const Index step : {i, j, k})
-          nodes.push_back(cell * (step + random(-distortion, distortion)));
+        for (const Index step : {i, j, k}) nodes.push_back(cell * (step + random(-distortion, distortion)));
   for (Index n = 0; n < outside; ++n) nodes.insert(nodes.end(), {-2.3 * cell, 0.4 * cell, (1.7 + n) * cell});
   const auto node = [&](Index i, Index j, Index k) { return i + (nx + 1) * (j + (ny + 1) * k); };
   std::vector<Hexahedron> hexahedra;
@@ -96,7 +97,8 @@ inline HexMesh block(Index nx, Index ny, Index nz, double distortion = 0.0, doub
     for (Index j = 0; j < ny; ++j)
       for (Index i = 0; i < nx; ++i)
         hexahedra.push_back({node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k),
-                             node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)});
+                             node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1),
+                             node(i, j + 1, k + 1)});
   return {std::move(nodes), std::move(hexahedra)};
 }
 
@@ -141,7 +143,8 @@ inline Eigen::MatrixXd dense(const LowerColumns& columns) {
   const auto n = static_cast<Eigen::Index>(columns.column_start.size()) - 1;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; ++j)
-    for (Index k = columns.column_start[static_cast<std::size_t>(j)]; k < columns.column_start[static_cast<std::size_t>(j) + 1]; ++k) {
+    for (Index k = columns.column_start[static_cast<std::size_t>(j)];
+         k < columns.column_start[static_cast<std::size_t>(j) + 1]; ++k) {
       const Index i = columns.row[static_cast<std::size_t>(k)];
       result(i, j) = result(j, i) = columns.value[static_cast<std::size_t>(k)];
     }

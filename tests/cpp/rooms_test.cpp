@@ -10,7 +10,8 @@
 
 namespace {
 
-constexpr std::array rooms{"core", "mesh", "material", "muscle", "contact", "bone", "effect", "solver", "scene", "bindings"};
+constexpr std::array rooms{"core", "mesh",   "material", "muscle", "contact",
+                           "bone", "effect", "solver",   "scene",  "bindings"};
 
 /// Place of the first folder of a path in the chain; -1 where it is no room.
 int room_of(const std::string& path) {

@@ -12,7 +12,7 @@ from glossa.anatomy.arrays import FloatArray, IntArray, float_array, int_array
 from glossa.errors import InputError
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Wall:
     """A rigid surface of triangles or quadrilaterals, normals towards the tongue.
 
@@ -43,6 +43,9 @@ class Wall:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Wall, (self.vertices, self.faces)
+
+    def __repr__(self) -> str:
+        return f"Wall({len(self.vertices)} vertices, {len(self.faces)} faces)"
 
     @property
     def triangles(self) -> IntArray:
@@ -89,7 +92,7 @@ class Spring:
         return Spring, (self.on_hyoid, self.fixed, self.stiffness, self.rest_length, self.name)
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Hyoid:
     """The hyoid bone: a rigid body held by springs; the speaker's node set "hyoid" moves with it.
 
@@ -116,6 +119,9 @@ class Hyoid:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Hyoid, (self.surface, self.mass, self.centre, self.springs)
+
+    def __repr__(self) -> str:
+        return f"Hyoid({self.mass * 1e3:.2f} g, {len(self.springs)} springs, surface {self.surface!r})"
 
 
 def _not_negative(value: Any, what: str) -> float:

@@ -32,7 +32,7 @@ from glossa.errors import InputError
 from glossa.motor import VOWELS, Ramp
 from glossa.results import Posture
 from glossa.scene import Scene
-from glossa.studies import posture_table, single_muscle, single_muscle_command, vowels
+from glossa.studies import posture_table, rest_posture, single_muscle, single_muscle_command, vowels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,8 +53,9 @@ def glossa_command(
 ) -> None:
     """A simulator of the human tongue: motor commands in, tongue shapes out.
 
-    Results go to stdout, everything else to stderr. Exit codes: 0 done, 1 a solve failed, 2 wrong input,
-    130 interrupted. Every command has its own --help.
+    Results go to stdout, everything else to stderr. Every command has its own --help.
+
+    Exit codes: 0 done, 1 a solve failed, 2 wrong input, 130 interrupted.
     """
     if version:
         typer.echo(glossa.__version__)
@@ -208,7 +209,7 @@ def muscles_command(
 
 
 @app.command(
-    "speaker", epilog="Examples: glossa speaker | glossa speaker -r 2 --save fine.npz | glossa speaker -s pb --json"
+    "speaker", epilog="Examples: glossa speaker | glossa speaker -r 2 --save fine.json | glossa speaker -s pb --json"
 )
 @output.guarded
 def speaker_command(
@@ -233,7 +234,7 @@ def speaker_command(
 @app.command("view", epilog="Examples: glossa view | glossa view i | glossa view i --muscle GGp --screenshot i.png")
 @output.guarded
 def view_command(
-    vowel: Annotated[str | None, typer.Argument(metavar="[VOWEL]", help="i, a, u, ə (or @); left out: rest.")] = None,
+    vowel: Annotated[str | None, typer.Argument(metavar="VOWEL", help="i, a, u, ə (or @); left out: rest.")] = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
@@ -241,13 +242,12 @@ def view_command(
     muscle: Annotated[str | None, typer.Option("--muscle", metavar="MUSCLE", help="Show its fibres.")] = None,
     screenshot: Annotated[Path | None, typer.Option("--screenshot", metavar="FILE", help="A PNG, no window.")] = None,
 ) -> None:
-    """A 3D view to turn and zoom; needs pyvista: pip install 'glossa[view]'."""
+    """A 3D view to turn and zoom; needs pyvista, the extra "view" of this package."""
     name = None if vowel is None else vowel_name(vowel)
     check_output(screenshot, (".png",))
     _need("pyvista", "the 3D view", "glossa[view]")
     body = make_speaker(speaker, resolution)
-    scene = make_scene(body, "none" if name is None else gravity, mirror)
-    posture = scene.equilibrate(None if name is None else VOWELS[name])
+    posture = rest_posture(body) if name is None else make_scene(body, gravity, mirror).equilibrate(VOWELS[name])
     from glossa.figures.interactive import view
 
     view(posture, muscle=muscle, screenshot=screenshot)

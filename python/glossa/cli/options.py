@@ -21,13 +21,13 @@ SpeakerOption = Annotated[
     typer.Option(
         "--speaker",
         "-s",
-        metavar="reference|FILE|FOLDER",
-        help="Built-in speaker, saved speaker file, folder with pb_tongue.json, or ArtiSynth Models checkout.",
+        metavar="SPEAKER",
+        help="reference (built in), a speaker file, a folder with pb_tongue.json, or an ArtiSynth checkout.",
     ),
 ]
 ResolutionOption = Annotated[
     int,
-    typer.Option("--resolution", "-r", metavar="1|2|…", help="Of the built-in speaker: r³ hexahedra for one."),
+    typer.Option("--resolution", "-r", metavar="R", help="Of the built-in speaker: every cell in R³."),
 ]
 GravityOption = Annotated[
     str, typer.Option("--gravity", "-g", metavar="upright|supine|none", help="Direction of gravity.")
@@ -36,8 +36,8 @@ MirrorOption = Annotated[
     bool | None,
     typer.Option(
         "--mirror/--no-mirror",
-        help="Compute one half only: the same result about three times as fast.",
-        show_default="on for symmetric speakers",
+        help="Compute one half only: the same result, faster.",
+        show_default="on if symmetric",
     ),
 ]
 PlotOption = Annotated[

@@ -44,8 +44,8 @@ def guarded(command: Callable[_Parameters, _Result]) -> Callable[_Parameters, _R
 
 
 def failure(message: str, code: int) -> typer.Exit:
-    """Say what went wrong; the exit to raise."""
-    say(" ".join(message.split()))
+    """Say what went wrong, without what only Python code can reach (".posture holds ..."); the exit to raise."""
+    say(" ".join(message.split("; .", 1)[0].split()))
     return typer.Exit(code)
 
 
@@ -144,7 +144,7 @@ def _number(value: float, digits: int = 9) -> float | None:
 def print_postures(scene: Scene, postures: Mapping[str, Posture], table: xr.Dataset) -> None:
     """Forces beside Table II, and displacements; for postures without a row in Table II, active muscles only."""
     console = Console()
-    console.print(f"{scene.speaker.name}: {', '.join(scene.effects)}", style="bold", highlight=False)
+    console.print(f"{scene.speaker.name}: {', '.join(scene.effects)}", style="bold", highlight=False, soft_wrap=True)
     console.print("Muscle forces, N" + (": here / paper's Table II" if _in_table_2(table) else ""), highlight=False)
     console.print(_force_table(table))
     console.print("Displacement from rest, mm: x backward, z upward", highlight=False)

@@ -92,7 +92,7 @@ def _draw_forces(axes: Axes, movement: Movement) -> None:
     forces = movement.forces
     peak = float(forces.to_numpy().max(initial=0.0))
     shown = [name for name in forces if forces[name].max() > SHOWN_FORCE * peak]
-    hues = mpl.colormaps["viridis"](np.linspace(0.0, 0.80, max(len(shown), 1)))
+    hues = mpl.colormaps["viridis"](np.linspace(0.0, 0.74, max(len(shown), 1)))
     ends = forces[shown].iloc[-1].sort_values()
     room = 0.09 * peak
     height = -np.inf

@@ -3,22 +3,32 @@
 #include "../fixture.hpp"
 
 namespace glossa::test {
+namespace {
 
-TEST_CASE("pack: inverse cube root against std::cbrt") {
+/// Relative error of y = x^(-1/3), by an oracle of more digits.
+double error_of(double y, double x) {
+  return static_cast<double>(std::abs(static_cast<long double>(y) * std::cbrt(static_cast<long double>(x)) - 1.0L));
+}
+
+}  // namespace
+
+TEST_CASE("pack: inverse cube root against std::cbrt, 1e-6 to 1e6") {
   Random random(1);
   double worst = 0.0;
   for (int k = 0; k < 100000; ++k) {
-    const Pack x = {std::pow(10.0, random(-6, 6)), std::pow(10.0, random(-6, 6)), random(0.5, 1.6), 1.0 + random(-1e-9, 1e-9)};
+    const Pack x = {std::pow(10.0, random(-6, 6)), std::pow(10.0, random(-6, 6)), random(0.5, 1.6),
+                    1.0 + random(-1e-9, 1e-9)};
     const Pack y = inverse_cube_root(x);
-    for (int lane = 0; lane < lanes; ++lane) worst = std::max(worst, std::abs(y[lane] * std::cbrt(x[lane]) - 1.0));
+    for (int lane = 0; lane < lanes; ++lane) worst = std::max(worst, error_of(y[lane], x[lane]));
   }
-  // Three roundings of the last Newton sweep, one of cbrt, one of the product.
-  CHECK_WITHIN(worst, 8e-16);
+  CHECK_WITHIN(worst, 7e-16);  // the products of the last sweep and its constant 1/3 are rounded
 }
 
 TEST_CASE("pack: inverse cube root is exact to rounding at cubes") {
-  for (const double root : {0.5, 1.0, 2.0, 3.0, 10.0})
-    CHECK_WITHIN(std::abs(inverse_cube_root(splat(root * root * root))[2] * root - 1.0), 8e-16);
+  for (const double root : {0.5, 1.0, 2.0, 3.0, 10.0}) {
+    const double cube = root * root * root;
+    CHECK_WITHIN(error_of(inverse_cube_root(splat(cube))[2], cube), 7e-16);
+  }
 }
 
 }  // namespace glossa::test

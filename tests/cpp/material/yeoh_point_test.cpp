@@ -17,7 +17,7 @@ std::array<Second, 9> seeded(const Matrix3& F) {
   std::array<Second, 9> result;
   for (Eigen::Index k = 0; k < 9; ++k) {
     Second& x = result[static_cast<std::size_t>(k)];
-    x.value() = First(F.reshaped()(k), 9, k);
+    x.value() = First(F.reshaped()(k), 9, static_cast<int>(k));
     for (Eigen::Index m = 0; m < 9; ++m) x.derivatives()(m) = First(m == k ? 1.0 : 0.0);
   }
   return result;
@@ -62,7 +62,7 @@ Matrix3 deformation(Random& random, double J) {
 void compare(const YeohPoint& tested, const YeohPoint& oracle, double tolerance) {
   CHECK_WITHIN(std::abs(tested.energy / oracle.energy - 1.0), tolerance);
   CHECK_WITHIN(worst_entry(tested.stress, oracle.stress), tolerance);
-  CHECK_WITHIN(worst_entry(tested.tangent, oracle.tangent), tolerance);
+  CHECK_WITHIN(worst_entry(tested.tangent, oracle.tangent), 0.5 * tolerance);
   CHECK(tested.tangent != oracle.tangent);
 }
 
@@ -95,9 +95,10 @@ TEST_CASE("yeoh: parts add up, and stiffening scales the isochoric one only") {
   const Matrix3 F = deformation(random, 1.1);
   const YeohPoint iso = evaluate({1037.0, 486.0, 0.0}, F), vol = evaluate({0.0, 0.0, 1.0369e6}, F);
   const YeohPoint whole = evaluate(tissue, F, 3.7);
-  CHECK_WITHIN(std::abs((whole.energy - vol.energy) / (3.7 * iso.energy) - 1.0), 1e-12);
-  CHECK_WITHIN(worst_entry((whole.stress - vol.stress).eval(), (3.7 * iso.stress).eval()), 1e-10);  // kappa / mu times rounding
-  CHECK_WITHIN(worst_entry((whole.tangent - vol.tangent).eval(), (3.7 * iso.tangent).eval()), 1e-10);
+  CHECK_WITHIN(std::abs((whole.energy - vol.energy) / (3.7 * iso.energy) - 1.0), 2e-14);
+  CHECK_WITHIN(worst_entry((whole.stress - vol.stress).eval(), (3.7 * iso.stress).eval()), 3e-14);
+  CHECK_WITHIN(worst_entry((whole.tangent - vol.tangent).eval(), (3.7 * iso.tangent).eval()),
+               2e-13);  // kappa / mu times rounding
 }
 
 TEST_CASE("yeoh: c20 enters with (I - 3)^2 and slope 2 c20 (I - 3)") {
@@ -106,7 +107,9 @@ TEST_CASE("yeoh: c20 enters with (I - 3)^2 and slope 2 c20 (I - 3)") {
   CHECK(law.isochoric_slope(5.0) == 2.0 * 486.0 * 2.0);
   CHECK(law.isochoric_curvature() == 2.0 * 486.0);
   CHECK(tissue.isochoric_slope(5.0) == 1037.0 + 4.0 * 486.0);
-  CHECK_WITHIN(std::abs(slope([&](double h) { return tissue.isochoric(3.4 + h); }, 0.1) / tissue.isochoric_slope(3.4) - 1.0), 1e-12);
+  CHECK_WITHIN(
+      std::abs(slope([&](double h) { return tissue.isochoric(3.4 + h); }, 0.1) / tissue.isochoric_slope(3.4) - 1.0),
+      5e-14);
 }
 
 TEST_CASE("yeoh: objectivity, W(QF) = W(F) and P(QF) = Q P(F)") {
@@ -114,8 +117,8 @@ TEST_CASE("yeoh: objectivity, W(QF) = W(F) and P(QF) = Q P(F)") {
   const Matrix3 F = deformation(random, 0.9), Q = rotation();
   for (const Yeoh& law : {Yeoh{1037.0, 486.0, 0.0}, Yeoh{0.0, 0.0, 1.0369e6}}) {
     const YeohPoint plain = evaluate(law, F), turned = evaluate(law, Q * F);
-    CHECK_WITHIN(std::abs(turned.energy / plain.energy - 1.0), 1e-13);
-    CHECK_WITHIN(worst_entry(turned.stress, (Q * plain.stress).eval()), 1e-13);
+    CHECK_WITHIN(std::abs(turned.energy / plain.energy - 1.0), 1e-14);
+    CHECK_WITHIN(worst_entry(turned.stress, (Q * plain.stress).eval()), 5e-14);
   }
 }
 
@@ -135,9 +138,9 @@ TEST_CASE("yeoh: rest is free of stress, with the small-strain moduli mu = 2 c10
   };
   Matrix3 shear = Matrix3::Zero();
   shear(0, 1) = shear(1, 0) = 0.5;
-  CHECK_WITHIN(std::abs(energy_of(shear) / (2.0 * 1037.0) - 1.0), 1e-13);                             // mu gamma^2
-  CHECK_WITHIN(std::abs(energy_of(Matrix3::Identity() / 3.0) / 1.0369e6 - 1.0), 1e-13);               // kappa (tr e)^2
-  CHECK_WITHIN(std::abs(energy_of(Vector3(1, -1, 0).asDiagonal()) / (4.0 * 2.0 * 1037.0) - 1.0), 1e-12);  // 2 mu e:e
+  CHECK_WITHIN(std::abs(energy_of(shear) / (2.0 * 1037.0) - 1.0), 1e-15);                // mu gamma^2
+  CHECK_WITHIN(std::abs(energy_of(Matrix3::Identity() / 3.0) / 1.0369e6 - 1.0), 1e-15);  // kappa (tr e)^2
+  CHECK_WITHIN(std::abs(energy_of(Vector3(1, -1, 0).asDiagonal()) / (4.0 * 2.0 * 1037.0) - 1.0), 1e-15);  // 2 mu e:e
   Matrix3 spin = Matrix3::Zero();
   spin(0, 1) = 1.0;
   spin(1, 0) = -1.0;

@@ -32,7 +32,8 @@ TEST_CASE("hexahedron: gradients of the shape functions against differences") {
 TEST_CASE("hexahedron: corners of every face run anticlockwise seen from outside") {
   for (const auto& face : hex::faces) {
     std::array<Vector3, 4> x;
-    for (std::size_t k = 0; k < 4; ++k) x[k] = Eigen::Map<const Vector3>(hex::corner[static_cast<std::size_t>(face[k])].data());
+    for (std::size_t k = 0; k < 4; ++k)
+      x[k] = Eigen::Map<const Vector3>(hex::corner[static_cast<std::size_t>(face[k])].data());
     const Vector3 normal = (x[1] - x[0]).cross(x[2] - x[1]);
     const Vector3 centre = (x[0] + x[1] + x[2] + x[3]) / 4.0;
     CHECK(normal.dot(centre) == doctest::Approx(4.0));

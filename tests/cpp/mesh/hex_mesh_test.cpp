@@ -48,12 +48,13 @@ TEST_CASE("hex mesh: refusals name what and where") {
                        "node 5: its coordinates must be finite", InputError);
   CHECK_THROWS_WITH_AS(changed([](Nodes& x, Hexahedra&) { x[3 * 2] = std::numeric_limits<double>::infinity(); }),
                        "node 2: its coordinates must be finite", InputError);
-  CHECK_THROWS_WITH_AS(changed([](Nodes&, Hexahedra& h) { h[0][3] = 8; }),
-                       "hexahedron 0: node index 8 is outside 0..7", InputError);
+  CHECK_THROWS_WITH_AS(changed([](Nodes&, Hexahedra& h) { h[0][3] = 8; }), "hexahedron 0: node index 8 is outside 0..7",
+                       InputError);
   CHECK_THROWS_WITH_AS(changed([](Nodes&, Hexahedra& h) { h[0][3] = -1; }),
                        "hexahedron 0: node index -1 is outside 0..7", InputError);
   CHECK_THROWS_WITH_AS(changed([](Nodes&, Hexahedra& h) { h[0][3] = h[0][6]; }),
-                       "hexahedron 0: node 7 appears more than once; collapsed hexahedra are not supported", InputError);
+                       "hexahedron 0: node 7 appears more than once; collapsed hexahedra are not supported",
+                       InputError);
 }
 
 TEST_CASE("hex mesh: inverted and degenerate hexahedra are refused") {
@@ -68,11 +69,15 @@ TEST_CASE("hex mesh: inverted and degenerate hexahedra are refused") {
   using Nodes = NodeField;
   using Hexahedra = std::vector<Hexahedron>;
   // Upside down; flat; one corner pushed through the opposite face, so that only corners see it.
-  const std::string upside_down = message([](Nodes&, Hexahedra& h) { std::swap_ranges(h[0].begin(), h[0].begin() + 4, h[0].begin() + 4); });
+  const std::string upside_down =
+      message([](Nodes&, Hexahedra& h) { std::swap_ranges(h[0].begin(), h[0].begin() + 4, h[0].begin() + 4); });
   CHECK(upside_down.find("hexahedron 0: inverted or degenerate, its smallest Jacobian is -1.25e-07 m3") == 0);
   CHECK(upside_down.find("VTK order") != std::string::npos);
-  CHECK(message([](Nodes& x, Hexahedra&) { for (std::size_t n = 4; n < 8; ++n) x[3 * n + 2] = 0.0; }).find("smallest Jacobian is 0 m3") != std::string::npos);
-  CHECK(message([](Nodes& x, Hexahedra&) { x[3 * 7 + 2] = -1e-4; }).find("inverted or degenerate") != std::string::npos);
+  CHECK(message([](Nodes& x, Hexahedra&) {
+          for (std::size_t n = 4; n < 8; ++n) x[3 * n + 2] = 0.0;
+        }).find("smallest Jacobian is 0 m3") != std::string::npos);
+  CHECK(message([](Nodes& x, Hexahedra&) { x[3 * 7 + 2] = -1e-4; }).find("inverted or degenerate") !=
+        std::string::npos);
   CHECK(message([](Nodes& x, Hexahedra&) { x[3 * 7 + 2] = 9e-3; }) == "accepted");
 }
 

@@ -1,0 +1,37 @@
+#include "effect/inertia.hpp"
+
+#include "../fixture.hpp"
+#include "effect/elasticity.hpp"
+
+namespace glossa::test {
+
+TEST_CASE("inertia: M x against the matrix of gathered masses, with a factor of the trial") {
+  const HexMesh mesh = block(3, 1, 2, 0.2);
+  const std::vector<double> masses = element_masses(mesh, 1040.0);
+  Inertia inertia(mesh.hexahedra(), mesh.node_count(), masses);
+  BlockMatrix matrix(mesh.node_count(), FreeMask(mesh.nodes().size(), 1), mesh.hexahedra(), {}, &natural_order);
+  matrix.set_mass(masses);
+  matrix.gather(std::vector<double>(6 * 324, 0.0), 2.5, 1);
+  Trial trial;
+  trial.velocities = Random(61).field(mesh.nodes().size(), 0.1);
+  trial.mass_rate = 2.5;
+  NodeField force(mesh.nodes().size(), 0.0);
+  inertia.add_force(trial, force);
+  CHECK_WITHIN(worst_entry(as_vector(force), (dense(matrix.columns(1)) * as_vector(trial.velocities)).eval()), 1e-14);
+}
+
+TEST_CASE("inertia: a translation carries the whole mass, and no mass rate no force") {
+  const HexMesh mesh = block(2, 2, 2);
+  Inertia inertia(mesh.hexahedra(), mesh.node_count(), element_masses(mesh, 1000.0));
+  Trial trial;
+  for (Index n = 0; n < mesh.node_count(); ++n) trial.velocities.insert(trial.velocities.end(), {1.0, 0.0, -2.0});
+  NodeField force(mesh.nodes().size(), 0.0);
+  inertia.add_force(trial, force);
+  CHECK(as_vector(force).isZero(0.0));
+  inertia.multiply(1.0, trial.velocities, force);
+  Vector3 total = Vector3::Zero();
+  for (Index n = 0; n < mesh.node_count(); ++n) total += at(force, n);
+  CHECK_WITHIN((total - 8e-3 * Vector3(1, 0, -2)).norm(), 1e-16);  // 8 cm3 of water
+}
+
+}  // namespace glossa::test
