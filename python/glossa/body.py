@@ -109,7 +109,8 @@ class Body:
         """(g,) index in the speaker of each fibre of the body."""
         if self.half is None:
             return np.arange(len(self.fibres.muscle), dtype=np.int32)
-        first = dict(zip(self.fibres.muscles, np.searchsorted(self.fibres.muscle, range(len(self.fibres.muscles))), strict=True))
+        starts = np.searchsorted(self.fibres.muscle, range(len(self.fibres.muscles)))
+        first = dict(zip(self.fibres.muscles, starts, strict=True))
         return np.array([first[f.muscle] + f.index for f in self.half.fibres], np.int32)
 
     @cached_property

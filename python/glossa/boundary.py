@@ -23,7 +23,7 @@ def _vectors(value: Any, what: str) -> tuple[FloatArray, BoolArray]:
     """Numbers with 0 for None, and where a number was given."""
     try:
         entries = np.array(value, dtype=object)
-        given: BoolArray = np.frompyfunc(lambda x: x is not None, 1, 1)(entries).astype(bool)
+        given: BoolArray = np.asarray(np.frompyfunc(lambda x: x is not None, 1, 1)(entries), dtype=bool)
         numbers = np.where(given, entries, 0.0).astype(float)
     except (TypeError, ValueError):
         raise InputError(f"{what}: expected numbers (or None for a free component), got {value!r}") from None

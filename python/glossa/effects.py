@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from glossa.checks import finite_number, not_negative_number, positive_number
 from glossa.errors import InputError
-from glossa.motor.commands import finite_number
 
 STANDARD_GRAVITY = 9.81
 """m/s2."""
@@ -33,20 +33,6 @@ class Default(Enum):
 
 
 DEFAULT = Default.DEFAULT
-
-
-def _positive(value: Any, what: str) -> float:
-    number = finite_number(value, what)
-    if number <= 0.0:
-        raise InputError(f"{what} must be positive, got {number!r}")
-    return number
-
-
-def _not_negative(value: Any, what: str) -> float:
-    number = finite_number(value, what)
-    if number < 0.0:
-        raise InputError(f"{what} must not be negative, got {number!r}")
-    return number
 
 
 @dataclass(frozen=True)
@@ -69,16 +55,16 @@ class Yeoh:
     density: float = 1040.0
 
     def __post_init__(self) -> None:
-        _positive(self.c10, "tissue c10")
-        _not_negative(self.c20, "tissue c20")
-        _positive(self.density, "tissue density")
+        positive_number(self.c10, "tissue c10")
+        not_negative_number(self.c20, "tissue c20")
+        positive_number(self.density, "tissue density")
         ratio = finite_number(self.poissons_ratio, "Poisson's ratio")
         if not 0.0 <= ratio < 0.5:
             raise InputError(f"Poisson's ratio must be at least 0 and below 0.5, got {ratio!r}")
 
     @property
     def bulk_modulus(self) -> float:
-        """kappa = 2 mu (1 + nu) / (3 (1 - 2 nu)), Pa."""
+        """Kappa = 2 mu (1 + nu) / (3 (1 - 2 nu)), Pa."""
         return 4.0 * self.c10 * (1.0 + self.poissons_ratio) / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
 
 
@@ -95,8 +81,8 @@ class Reflex:
     velocity_gain: float = 0.01
 
     def __post_init__(self) -> None:
-        _not_negative(self.delay, "reflex delay")
-        _not_negative(self.velocity_gain, "reflex velocity gain")
+        not_negative_number(self.delay, "reflex delay")
+        not_negative_number(self.velocity_gain, "reflex velocity gain")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,8 +100,8 @@ class Damping:
     beta: float = 0.03
 
     def __post_init__(self) -> None:
-        _not_negative(self.alpha, "damping alpha")
-        _not_negative(self.beta, "damping beta")
+        not_negative_number(self.alpha, "damping alpha")
+        not_negative_number(self.beta, "damping beta")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +123,7 @@ class Stiffening:
         if finite_number(self.peak_multiplier, "peak multiplier") < 1.0:
             raise InputError(f"peak multiplier must be at least 1, got {self.peak_multiplier!r}")
         for muscle, gain in self.gains.items():
-            _not_negative(gain, f"stiffening gain of {muscle!r}")
+            not_negative_number(gain, f"stiffening gain of {muscle!r}")
 
 
 GravityName = Literal["upright", "supine"]
@@ -160,7 +146,9 @@ def gravity_vector(gravity: Any) -> tuple[float, float, float] | None:
     try:
         vector = np.asarray(gravity, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"gravity must be 'upright', 'supine', None or three numbers in m/s2, got {gravity!r}") from None
+        raise InputError(
+            f"gravity must be 'upright', 'supine', None or three numbers in m/s2, got {gravity!r}"
+        ) from None
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise InputError(f"gravity must be three finite numbers in m/s2, got {gravity!r}")
     x, y, z = vector.tolist()

@@ -37,7 +37,7 @@ class SolveError(RuntimeError):
         self.report = report
 
 
-class SolveInterrupted(KeyboardInterrupt):  # noqa: N818 - it is an interrupt, not an error
+class SolveInterrupted(KeyboardInterrupt):
     """A solve was stopped by Ctrl-C.
 
     Attributes:

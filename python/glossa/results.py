@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +80,7 @@ def forces_by_muscle(speaker: Speaker, tensions: FloatArray) -> FloatArray:
     """(…, muscles) sums of fibre tensions (…, fibres), N: the forces of the paper's Table II."""
     counts = [len(muscle.fibres) for muscle in speaker.muscles.values()]
     ends = np.cumsum([0, *counts])
-    parts = [tensions[..., a:b].sum(axis=-1) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    parts = [tensions[..., a:b].sum(axis=-1) for a, b in pairwise(ends)]
     return np.stack(parts, axis=-1) if parts else np.zeros((*tensions.shape[:-1], 0))
 
 

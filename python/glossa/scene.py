@@ -16,6 +16,7 @@ from glossa.anatomy.arrays import BoolArray, FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body, gather_fibres
 from glossa.boundary import nodal_loads, prescribed_positions
+from glossa.checks import finite_number, flag, instance, one_of, positive_number, whole_number
 from glossa.effects import (
     DEFAULT,
     FIRING_GRADIENT,
@@ -27,7 +28,7 @@ from glossa.effects import (
     gravity_vector,
 )
 from glossa.errors import InputError, SolveError, SolveInterrupted
-from glossa.motor.commands import MotorCommands, finite_number
+from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
 from glossa.simulation import Simulation
@@ -88,19 +89,15 @@ class Scene:
         self.speaker = speaker
         self.gravity = gravity_vector(gravity)
         self.stiffening = _stiffening(stiffening, speaker)
-        self.reflex = _instance(reflex, Reflex, "reflex", optional=True)
-        self.damping = _instance(damping, Damping, "damping", optional=True) or Damping(alpha=0.0, beta=0.0)
-        self.tissue = _instance(tissue, Yeoh, "tissue")
-        self.element = _one_of(element, ("Q1P0", "Q1"), "element")
-        self.force_velocity = _flag(force_velocity, "force_velocity")
-        self.mirror = _flag(mirror, "mirror")
-        self.firing_gradient = finite_number(firing_gradient, "firing gradient")
-        if self.firing_gradient <= 0.0:
-            raise InputError(f"firing gradient must be positive, got {firing_gradient!r}")
-        if isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 256:
-            raise InputError(f"threads must be a whole number from 1 to 256, got {threads!r}")
-        self.threads = threads
-        self.notes: tuple[str, ...] = ()
+        self.reflex = instance(reflex, Reflex, "reflex", optional=True)
+        self.damping = instance(damping, Damping, "damping", optional=True) or Damping(alpha=0.0, beta=0.0)
+        self.tissue = instance(tissue, Yeoh, "tissue")
+        self.element = one_of(element, ("Q1P0", "Q1"), "element")
+        self.force_velocity = flag(force_velocity, "force_velocity")
+        self.mirror = flag(mirror, "mirror")
+        self.firing_gradient = positive_number(firing_gradient, "firing gradient")
+        self.threads = whole_number(threads, "threads", 1, 256)
+        self.notes = tuple[str, ...]()
         self._check_walls(contact, friction)
         self.fixed = self._held_sets(fixed, hyoid)
         if self.notes:
@@ -114,7 +111,7 @@ class Scene:
         self.notes = (*self.notes, text)
 
     def _check_walls(self, contact: bool | Default, friction: float | None) -> None:
-        if contact is not DEFAULT and _flag(contact, "contact"):
+        if contact is not DEFAULT and flag(contact, "contact"):
             missing = "" if self.speaker.walls else "this speaker has no walls, and "
             raise InputError(f"contact=True: {missing}this version computes no wall contact; use contact=False")
         if friction is not None and not 0.0 <= finite_number(friction, "friction") <= 10.0:
@@ -136,7 +133,7 @@ class Scene:
             if "hyoid" in sets:
                 self._note("the hyoid is fixed: this version moves none")
                 held.append("hyoid")
-        elif _one_of(hyoid, ("mobile", "fixed"), "hyoid") == "mobile":
+        elif one_of(hyoid, ("mobile", "fixed"), "hyoid") == "mobile":
             missing = "" if self.speaker.hyoid else "this speaker has no hyoid, and "
             raise InputError(f"hyoid='mobile': {missing}this version moves none; use hyoid='fixed'")
         elif "hyoid" not in sets:
@@ -261,9 +258,8 @@ class Scene:
             SolveInterrupted: Ctrl-C; ``posture`` is the last good state.
         """
         checked = self._commands(commands)
-        tolerance = STATIC_TOLERANCE[_one_of(accuracy, tuple(STATIC_TOLERANCE), "accuracy")]
-        if isinstance(max_iterations, bool) or not isinstance(max_iterations, int) or max_iterations < 1:
-            raise InputError(f"max_iterations must be a whole number above 0, got {max_iterations!r}")
+        tolerance = STATIC_TOLERANCE[one_of(accuracy, tuple(STATIC_TOLERANCE), "accuracy")]
+        limit = whole_number(max_iterations, "max_iterations", 1, 100_000)
         from_positions, pressure = self._start(start)
         held, target = prescribed_positions(self.speaker, prescribed or {})
         free = self._free & ~self._body.restrict_mask(held, "prescribed")
@@ -278,7 +274,7 @@ class Scene:
             free=free.astype(np.uint8).ravel(),
             load=None if load is None else self._body.restrict_forces(load, "loads"),
             tolerance=tolerance,
-            max_iterations=max_iterations,
+            max_iterations=limit,
         )
         posture = self._posture(solution, checked, free)
         return self._finished(posture)
@@ -333,8 +329,8 @@ class Scene:
         if report.status == "interrupted":
             raise SolveInterrupted("equilibrium interrupted; .posture is the last good state", posture=posture)
         raise SolveError(
-            f"no equilibrium: {report.status} after {report.iterations} iterations, residual {report.residual:.3g} N of "
-            f"a force scale of {report.force_scale:.3g} N, smallest Jacobian {report.least_jacobian:.3g} in hexahedron "
+            f"no equilibrium: {report.status} after {report.iterations} iterations, residual {report.residual:.3g} N "
+            f"of a force scale of {report.force_scale:.3g} N, smallest Jacobian {report.least_jacobian:.3g} in hexahedron "
             f"{report.worst_element}; .posture is the last good state. Start from a nearer posture or change the "
             "commands in smaller steps",
             status=report.status,
@@ -404,27 +400,6 @@ class Scene:
         finally:
             self._seconds = simulation.report.seconds
         return movement
-
-
-def _flag(value: Any, what: str) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise InputError(f"{what} must be True or False, got {value!r}")
-    return bool(value)
-
-
-def _one_of(value: Any, allowed: Sequence[str], what: str) -> str:
-    if not isinstance(value, str) or value not in allowed:
-        raise InputError(f"{what} must be one of {', '.join(map(repr, allowed))}, got {value!r}")
-    return value
-
-
-def _instance(value: Any, kind: type, what: str, *, optional: bool = False) -> Any:
-    if value is None and optional:
-        return None
-    if not isinstance(value, kind):
-        alternative = " or None" if optional else ""
-        raise InputError(f"{what} must be a {kind.__name__}{alternative}, got {value!r}")
-    return value
 
 
 def _stiffening(value: bool | Stiffening | None, speaker: Speaker) -> Stiffening | None:

@@ -10,20 +10,23 @@ from glossa import _core
 from glossa.anatomy.arrays import FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body
+from glossa.checks import finite_number
 from glossa.errors import InputError, SolveError, SolveInterrupted
-from glossa.motor.commands import finite_number
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
 
 LOCAL_ERROR = {"draft": 20e-6, "standard": 1e-6, "reference": 0.1e-6}
-"""Tolerated local error of an adaptive step, m, by accuracy. Measured on 200 ms of /u/ and /i/ (PB, mirrored, no contact):
-largest error at any node and time 0.37, 0.09 and 0.007 mm."""
+"""Tolerated local error of an adaptive step, m, by accuracy. Largest error at any node and time in 200 ms of /u/ and /i/
+(PB, mirrored, no contact): 0.37, 0.09 and 0.007 mm."""
 
 STAGE_TOLERANCE = {"draft": 1e-5, "standard": 2e-6, "reference": 1e-9}
 """Residual of a stage over force scale, by accuracy."""
 
 LONGEST_STEP = 0.010
 """Longest adaptive step, s."""
+
+SHORTEST_STEP = 1e-7
+"""Shortest time step that can be asked for, s; a syllable would take a million."""
 
 INTEGRATORS = ("SDIRK2", "BDF2", "backward_euler", "trapezoidal")
 
@@ -48,9 +51,7 @@ class Simulation:
         integrator: str,
     ) -> None:
         error, tolerance = _accuracy(accuracy)
-        step = LONGEST_STEP if dt is None else finite_number(dt, "dt")
-        if step <= 0.0:
-            raise InputError(f"dt must be positive, got {dt!r} s")
+        step = LONGEST_STEP if dt is None else _step(dt)
         if integrator not in INTEGRATORS:
             raise InputError(f"integrator must be one of {', '.join(map(repr, INTEGRATORS))}, got {integrator!r}")
         times, fractions = schedule.table
@@ -140,7 +141,7 @@ class Simulation:
             InputError: a ``dt`` that is not positive and finite.
             SolveError, SolveInterrupted: as :meth:`run`; the state is that of the last good step.
         """
-        status = self._core.step(finite_number(dt, "dt"))
+        status = self._core.step(_step(dt))
         if status != "converged":
             self._fail(status, None)
         return self.time
@@ -185,6 +186,16 @@ class Simulation:
             movement=movement,
             report=self.report,
         )
+
+
+def _step(dt: float) -> float:
+    """A time step that can work, s."""
+    step = finite_number(dt, "dt")
+    if step <= 0.0:
+        raise InputError(f"dt must be positive, got {dt!r} s")
+    if step < SHORTEST_STEP:
+        raise InputError(f"dt must be at least {SHORTEST_STEP:g} s, got {dt!r} s")
+    return step
 
 
 def _accuracy(accuracy: str | float) -> tuple[float, float]:

@@ -60,8 +60,16 @@ def energy(x: ComplexArray, posture: Posture, tissue: Yeoh, element: str, gravit
     return complex(total + muscle_energy(x, posture))
 
 
+def soft_lengths(x: ComplexArray, rest: FloatArray) -> ComplexArray:
+    """(s,) lengths of a polyline's segments, softened by a hundredth of those at rest so that none has a kink at 0."""
+    squares = (np.diff(x, axis=0) ** 2).sum(axis=1)
+    at_rest = np.linalg.norm(np.diff(rest, axis=0), axis=1)
+    return np.asarray(np.sqrt(squares + (0.01 * at_rest) ** 2) - (np.sqrt(1.0001) - 1.0) * at_rest)
+
+
 def muscle_energy(x: ComplexArray, posture: Posture) -> complex:
     """Integral of eq. 3 over length: rho phi (exp(c A) - 1 - c A) / c, phi the factor of eq. 5 at rest."""
+    nodes = posture.speaker.nodes
     assert posture.commands is not None
     at_rest = 0.7109 + 0.712 * np.arctan(0.43)
     total = 0.0 + 0.0j
@@ -69,8 +77,7 @@ def muscle_energy(x: ComplexArray, posture: Posture) -> complex:
         rests = posture.speaker.fibre_rest_lengths(name)
         shares = capacity_shares(posture.speaker.nodes, posture.speaker.hexahedra, muscle)
         for fibre, rest, share in zip(muscle.fibres, rests, shares, strict=True):
-            steps = np.diff(x[fibre], axis=0)
-            activation = np.sqrt((steps * steps).sum(axis=1)).sum() - posture.commands[name] * rest
+            activation = soft_lengths(x[fibre], nodes[fibre]).sum() - posture.commands[name] * rest
             assert activation.real < np.log(2.0) / 40.0  # not saturated
             if activation.real > 0.0:
                 stored = (np.expm1(40.0 * activation) - 40.0 * activation) / 40.0

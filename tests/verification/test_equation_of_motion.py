@@ -1,7 +1,7 @@
 """Movements obey eqs. 1 to 6 of the paper, written out a second time.
 
-The product integrates the momentum w = M v + beta f and never forms K v. Here K v is formed, from the internal force and
-a complex step, with the stiffening of the moment and without its rate.
+The product integrates the momentum w = M v + beta f and never forms K v. Here K v is formed, from the internal force
+and a complex step, with the stiffening of the moment and without its rate.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.blocks import FloatArray, IntArray, block
+from tests.verification.test_derivatives import determinant, shape_gradients, soft_lengths
 
 from glossa import MotorCommands, Movement, Ramp, Scene, Speaker, Stiffening, Yeoh
 from glossa.anatomy.muscle_topology import capacity_shares
-from tests.blocks import FloatArray, block
-from tests.verification.test_derivatives import determinant, shape_gradients
 
 ALPHA, BETA, DELAY, GAIN, FIRING = 40.0, 0.03, 0.017, 0.01, 40.0
 TISSUE = Yeoh()
@@ -60,8 +60,9 @@ def mass_times(speaker: Speaker, field: FloatArray) -> FloatArray:
     return product
 
 
-def lengths(movement: Movement, fibre: FloatArray, time: float) -> float:
-    return float(np.linalg.norm(np.diff(movement.at(max(time, 0.0)).positions[fibre], axis=0), axis=1).sum())
+def length(movement: Movement, fibre: IntArray, time: float) -> float:
+    x = movement.at(max(time, 0.0)).positions[fibre].astype(complex)
+    return float(soft_lengths(x, movement.speaker.nodes[fibre]).real.sum())
 
 
 def muscles(movement: Movement, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -74,10 +75,11 @@ def muscles(movement: Movement, k: int) -> tuple[FloatArray, FloatArray, FloatAr
         rests = speaker.fibre_rest_lengths(name)
         for fibre, rest, share in zip(muscle.fibres, rests, shares, strict=True):
             past, h = time - DELAY, 0.5 * float(movement.times[1])
-            rate = (lengths(movement, fibre, past + h) - lengths(movement, fibre, past - h)) / (2.0 * h)
-            activation = max(0.0, lengths(movement, fibre, past) - fraction[name] * rest + GAIN * rate)
+            rate = (length(movement, fibre, past + h) - length(movement, fibre, past - h)) / (2.0 * h)
+            activation = max(0.0, length(movement, fibre, past) - fraction[name] * rest + GAIN * rate)
             steps = np.diff(x[fibre], axis=0)
-            along = steps / np.linalg.norm(steps, axis=1)[:, None]
+            soft = 0.01 * np.linalg.norm(np.diff(speaker.nodes[fibre], axis=0), axis=1)
+            along = steps / np.sqrt((steps * steps).sum(axis=1) + soft * soft)[:, None]
             speed = (np.diff(movement.velocities[k][fibre], axis=0) * along).sum() / rest
             factor = 0.7109 + 0.712 * np.arctan(0.43 + 0.4444 * speed) + 0.0329 * speed
             level = min(np.expm1(FIRING * activation), 1.0)
@@ -100,7 +102,7 @@ def factors(speaker: Speaker, activations: FloatArray) -> FloatArray:
 
 
 def residual(movement: Movement, time: float) -> tuple[FloatArray, FloatArray]:
-    """M a + (alpha M + beta K) v + f - muscles - weight at the free nodes, and beta sum of s' f_e; over the largest pull.
+    """M a + (alpha M + beta K) v + f - muscles - weight, and beta sum of s' f_e, at free nodes over the largest pull.
 
     The second is what would remain if beta d/dt f were taken for beta K v.
     """

@@ -111,7 +111,7 @@ def test_shapes_of_the_vowels(vowels: dict[str, Posture]) -> None:
 
 KNOWN = {
     # (muscle, region, direction): ours in mm in the direction of the paper, and why
-    ("GGa", "pharyngeal", "backward"): -0.6,  # under 2 mm in the paper: volume leaves sideways there
+    ("GGa", "pharyngeal", "backward"): -0.9,  # under 2 mm in the paper: volume leaves sideways there
     ("GGm", "apex", "up"): -2.8,  # no lower teeth to slide on; up by 2 with contact
     ("GGp", "tongue", "up"): -1.1,  # the paper: "due to the apex sliding on the mandible"
     ("GGp", "apex", "wider"): 0.0,
@@ -161,6 +161,18 @@ def single_muscles(pb: Speaker) -> dict[str, dict[tuple[str, str], float]]:
     base = scene.equilibrate()
     commands = {row["muscle"]: float(row["command"]) for row in ROWS}
     return {m: measured(scene.equilibrate({m: value}, start=base), base) for m, value in commands.items()}
+
+
+@pytest.mark.parametrize("muscle", ["GGa", "GGp", "Sty", "HG"])
+def test_converged_means_converged(pb: Speaker, muscle: str) -> None:
+    """The standard tolerance leaves nanometres, however wild the way: from rest, and from the posture of /i/."""
+    scene = Scene(pb, mirror=True)
+    command = {muscle: 0.8}
+    exact = scene.equilibrate(command, accuracy="reference")
+    assert np.abs(exact.displacements).max() > 3e-3
+    for start in (None, scene.equilibrate(VOWELS["i"])):
+        found = scene.equilibrate(command, start=start)
+        assert found.positions == pytest.approx(exact.positions, abs=1e-6)
 
 
 def test_every_muscle_is_tried(single_muscles: dict[str, dict[tuple[str, str], float]]) -> None:

@@ -67,7 +67,7 @@ def test_another_solve_in_between_keeps_the_bits(scene: Scene) -> None:
     assert a.tobytes() == b.tobytes()
 
 
-OPTIONS: list[dict[str, Any]] = [{"dt": 0.005}, {}, {"dt": 0.004, "integrator": "BDF2"}]
+OPTIONS: list[dict[str, Any]] = [{"dt": 0.002}, {}, {"dt": 0.004, "integrator": "BDF2"}]
 
 
 def go_back(scene: Scene, options: dict[str, Any]) -> list[Movement]:

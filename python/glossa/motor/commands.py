@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
-from numbers import Real
 from types import MappingProxyType
 from typing import Any, NoReturn
 
 from glossa import paper
+from glossa.checks import positive_number
 from glossa.errors import InputError
 
 MUSCLES = ("GGa", "GGm", "GGp", "Sty", "HG", "Vert", "Trans", "IL", "SL", "GH", "MH")
@@ -83,7 +82,7 @@ class MotorCommands(Mapping[str, float]):
         """
         if muscle not in self._fractions:
             raise InputError(f"no command for muscle {muscle!r} to scale; commands: {', '.join(self) or 'none'}")
-        return self.with_({muscle: self._fractions[muscle] * _positive(factor, f"scale factor of {muscle!r}")})
+        return self.with_({muscle: self._fractions[muscle] * positive_number(factor, f"scale factor of {muscle!r}")})
 
 
 def _muscle_name(name: Any) -> str:
@@ -93,28 +92,7 @@ def _muscle_name(name: Any) -> str:
 
 
 def _fraction(muscle: Any, value: Any) -> float:
-    return _positive(value, f"command of muscle {muscle!r}")
-
-
-def _positive(value: Any, what: str) -> float:
-    number = finite_number(value, what)
-    if number <= 0.0:
-        raise InputError(f"{what} must be positive, got {number!r}")
-    return number
-
-
-def finite_number(value: Any, what: str) -> float:
-    """The value as float.
-
-    Raises:
-        InputError: not a number, NaN or infinite; ``what`` names it in the message.
-    """
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise InputError(f"{what} must be a number, got {value!r}")
-    number = float(value)
-    if not math.isfinite(number):
-        raise InputError(f"{what} must be finite, got {number!r}")
-    return number
+    return positive_number(value, f"command of muscle {muscle!r}")
 
 
 VOWELS: Mapping[str, MotorCommands] = MappingProxyType(

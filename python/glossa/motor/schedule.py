@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from glossa.checks import finite_number
 from glossa.errors import InputError
-from glossa.motor.commands import MotorCommands, finite_number
+from glossa.motor.commands import MotorCommands
 
 FloatArray = NDArray[np.float64]
 

@@ -138,8 +138,8 @@ TEST_CASE("simulation: undelayed muscles settle in the static equilibrium") {
   REQUIRE(rest.report.status == Status::converged);
   Simulation simulation = started(solver, ramp(), accurate(5e-3));
   REQUIRE(simulation.advance(1.5, nullptr) == Status::converged);
-  CHECK_WITHIN(distance(simulation.state().positions, rest.positions), 1e-9);  // what is left of the movement
-  CHECK_WITHIN(worst_entry(simulation.state().tension, rest.tension), 4e-8);
+  CHECK_WITHIN(distance(simulation.state().positions, rest.positions), 3e-10);  // what is left of the movement
+  CHECK_WITHIN(worst_entry(simulation.state().tension, rest.tension), 1e-8);
 }
 
 TEST_CASE("simulation: steps land on the corners of the commands and their echoes after one and two delays") {
