@@ -68,6 +68,13 @@ HexMesh::HexMesh(NodeField nodes, std::vector<Hexahedron> hexahedra)
     volumes_.push_back(volume);
     for (const Index node : hexahedra_[e]) outside_[static_cast<std::size_t>(node)] = false;
   }
+  Vector3 low = at(nodes_, hexahedra_[0][0]), high = low;
+  for (Index n = 0; n < node_count(); ++n) {
+    if (outside(n)) continue;
+    low = low.cwiseMin(at(nodes_, n));
+    high = high.cwiseMax(at(nodes_, n));
+  }
+  extent_ = (high - low).maxCoeff();
 }
 
 }  // namespace glossa

@@ -19,6 +19,8 @@ class HexMesh {
   [[nodiscard]] const std::vector<Hexahedron>& hexahedra() const { return hexahedra_; }
   /// Volume of one element by the 2 x 2 x 2 rule, m3.
   [[nodiscard]] double volume(Index element) const { return volumes_[static_cast<std::size_t>(element)]; }
+  /// Longest edge of the bounding box of the hexahedra, m: the size of the body, the same for a mirrored half.
+  [[nodiscard]] double extent() const { return extent_; }
   /// True where the node belongs to no hexahedron.
   [[nodiscard]] bool outside(Index node) const { return outside_[static_cast<std::size_t>(node)]; }
 
@@ -27,6 +29,7 @@ class HexMesh {
   std::vector<Hexahedron> hexahedra_;
   std::vector<double> volumes_;
   std::vector<bool> outside_;
+  double extent_ = 0.0;
 };
 
 }  // namespace glossa

@@ -15,9 +15,9 @@ class EquilibriumSolver {
  public:
   EquilibriumSolver(System& system, const EquilibriumOptions& options, Report& report)
       : system_(system), options_(options), report_(report), trial_(system.rest_trial()) {
-    double volume = 0.0;
-    for (Index e = 0; e < system.scene().mesh().element_count(); ++e) volume += system.scene().mesh().volume(e);
-    least_force_ = rounding * system.scene().options().tissue.kappa * std::pow(volume, 2.0 / 3.0);
+    const double extent = system.scene().mesh().extent();
+    max_step_ = options.max_step * extent;
+    least_force_ = rounding * system.scene().options().tissue.kappa * extent * extent;
   }
 
   bool start(const NodeField& positions, const std::vector<double>& pressure) {
@@ -74,14 +74,17 @@ class EquilibriumSolver {
 
   [[nodiscard]] bool small(double tolerance) const { return residual_ <= tolerance * scale_ + least_force_; }
 
-  // Moves the held components by as much of `gap` as a linear predictor survives.
+  // Moves the held components by as much of `gap` as a linear predictor can be trusted with: no point further than two
+  // Newton steps (a long jump may end in another, crushed equilibrium), no element inverted.
   Status advance(const NodeField& gap, double& left) {
     system_.assemble(trial_, 0.0, report_);
     NodeField coupling;
     system_.multiply(trial_, gap, coupling);
     if (!system_.factorise(report_)) return Status::indefinite;
     const Vector residual = system_.restrict_free(force_), stiffness = system_.restrict_free(coupling);
-    for (double part = 1.0; part > 1e-4; part *= 0.5) {
+    double farthest = 0.0;
+    for (const double x : gap) farthest = std::max(farthest, std::abs(x));
+    for (double part = std::min(1.0, 2.0 * max_step_ / farthest); part > 1e-6; part *= 0.5) {
       Vector step = residual + part * stiffness;
       system_.newton_step(step);
       Trial next = trial_;
@@ -93,7 +96,7 @@ class EquilibriumSolver {
         for (std::size_t k = 0; k < gap.size(); ++k)
           if (!system_.free()[k]) next.positions[k] = trial_.positions[k] + gap[k];
       evaluate(next, true);
-      if (std::isfinite(residual_) && uninverted() && largest(step) < 10.0 * options_.max_step) {
+      if (std::isfinite(residual_) && uninverted() && largest(step) < 4.0 * max_step_) {
         trial_ = std::move(next);
         system_.elasticity().set_pressure(trial_.pressure);
         left = part == 1.0 ? 0.0 : 1.0;
@@ -141,7 +144,7 @@ class EquilibriumSolver {
     Vector step = G;
     system_.newton_step(step);
     const double reach = largest(step);
-    double length = reach > options_.max_step ? options_.max_step / reach : 1.0;
+    double length = reach > max_step_ ? max_step_ / reach : 1.0;
     const double slope = G.dot(step);
     const double energy = system_.energy(trial_);
     NodeField increment(trial_.positions.size(), 0.0);
@@ -190,7 +193,7 @@ class EquilibriumSolver {
       const Vector u = system_.restrict_free(trial_.positions);
       Vector step = anderson_.increment(u, F, G);
       const double reach = largest(step);
-      const double length = reach > options_.max_step ? options_.max_step / reach : 1.0;
+      const double length = reach > max_step_ ? max_step_ / reach : 1.0;
       NodeField increment(trial_.positions.size(), 0.0);
       system_.add_free(step, length, increment);
       system_.elasticity().predict_pressure(increment, 1.0, trial_.pressure);
@@ -221,6 +224,7 @@ class EquilibriumSolver {
   double residual_ = 0.0;
   double scale_ = 0.0;
   double least_force_ = 0.0;
+  double max_step_ = 0.0;  // m
 
  public:
   [[nodiscard]] double residual() const { return residual_; }

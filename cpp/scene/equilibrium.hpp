@@ -15,7 +15,7 @@ namespace glossa {
 struct EquilibriumOptions {
   double tolerance = 1e-8;      ///< residual over force scale
   int max_iterations = 150;     ///< Newton iterations
-  double max_step = 4e-3;       ///< m, largest nodal displacement of one iteration
+  double max_step = 0.055;      ///< largest displacement component of one iteration over the extent of the body
   bool quasi_newton = true;     ///< finish with frozen factors
   Interrupt interrupt;
 };

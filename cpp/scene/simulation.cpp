@@ -11,6 +11,7 @@ namespace glossa {
 namespace {
 
 constexpr double smallest_part = 1.0 / 64.0;  // of a step, before it is given up
+constexpr double hopeless_share = 0.3;  // of the extent of the body: an increment beyond ends an iteration
 constexpr int echoes = 2;  // how often a corner of the commands is honoured again after one delay
 
 // Times closer than this (s) are one: sums of steps differ from corners of the commands by rounding.
@@ -27,6 +28,7 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
           "error tolerance must be finite and not negative");
   require(std::isfinite(options_.tolerance) && options_.tolerance > 0.0, "tolerance must be positive and finite");
   require(std::isfinite(time), "start time must be finite");
+  largest_increment_ = hopeless_share * system_.scene().mesh().extent();
   state_.time = time;
   state_.positions = positions;
   state_.velocities.assign(positions.size(), 0.0);
@@ -55,7 +57,7 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   tissue_force(positions, state_.stiffening, 1.0, state_.momentum);
   for (double& x : state_.momentum) x *= system_.scene().options().damping.beta;
   scale_ = system_.force_scale();
-  next_step_ = options_.error_tolerance > 0.0 ? std::min(longest_step(), 1e-3) : longest_step();
+  state_.next_step = options_.error_tolerance > 0.0 ? std::min(longest_step(), 1e-3) : longest_step();
 }
 
 bool Simulation::delayed() const {
@@ -86,7 +88,7 @@ double Simulation::next_breakpoint(double until) const {
 
 double Simulation::proposed_step(double until) const {
   const double left = next_breakpoint(until) - state_.time;
-  const double wish = std::min(options_.error_tolerance > 0.0 ? next_step_ : options_.max_step, longest_step());
+  const double wish = std::min(options_.error_tolerance > 0.0 ? state_.next_step : options_.max_step, longest_step());
   const double parts = std::max(1.0, std::ceil(left / wish * (1.0 - 1e-9)));
   return left / parts;
 }
@@ -106,7 +108,7 @@ Status Simulation::advance(double until, Recording* recording) {
     }
     std::optional<State> uncrossed = cross_jump();
     const double whole = proposed_step(until);
-    double h = whole;
+    double h = whole, proposal = state_.next_step;
     bool taken = false;
     while (!taken) {
       State next;
@@ -127,19 +129,22 @@ Status Simulation::advance(double until, Recording* recording) {
           ++report_.rejected;
           taken = false;
           h *= std::min(0.9, change);
-          next_step_ = h;
+          proposal = h;
           continue;
         }
-        if (change < 0.9 || change > 1.25) next_step_ = std::min(h * change, longest_step());
+        if (change < 0.9 || change > 1.25) proposal = std::min(h * change, longest_step());
       }
       // The last step to a breakpoint lands on it exactly.
       if (h == whole && whole == next_breakpoint(until) - state_.time) next.time = next_breakpoint(until);
+      next.next_step = proposal;
       accept(std::move(next), h, error);
       if (recording != nullptr) record(*recording);
     }
     if (!taken) {
       report_.status = Status::stalled;
       if (uncrossed) state_ = std::move(*uncrossed);
+      factor_ = state_.factor;
+      factor_stamp_ = -1;
     }
   }
   report_.seconds = system_.seconds();
@@ -152,6 +157,7 @@ Status Simulation::advance(double until, Recording* recording) {
 
 void Simulation::accept(State next, double h, double error) {
   next.last_step = h;
+  next.factor = factor_;
   next.last_positions = std::move(state_.positions);
   next.last_velocities = std::move(state_.velocities);
   next.last_momentum = std::move(state_.momentum);
@@ -171,7 +177,8 @@ void Simulation::set_state(State state) {
   require(state.positions.size() == state_.positions.size() && state.activation.size() == state_.activation.size(),
           "state: it belongs to another scene or other muscles");
   state_ = std::move(state);
-  factor_hg_ = 0.0;
+  factor_ = state_.factor;
+  factor_stamp_ = -1;
 }
 
 double Simulation::kinetic_energy() const {

@@ -19,7 +19,15 @@ struct SimulationOptions {
   Interrupt interrupt;
 };
 
-/// Everything that the future of a movement depends on. A value: copies are independent.
+/// Where the factor in use was assembled: enough to make the very same one again.
+struct FactorPoint {
+  double hg;
+  double time;
+  Trial trial;
+};
+
+/// Everything that the future of a movement depends on. A value: copies are independent, and going back to one repeats
+/// the movement to the last bit.
 struct State {
   double time = 0.0;                ///< s
   NodeField positions;              ///< m
@@ -33,6 +41,8 @@ struct State {
   DelayHistory history;
   double last_step = 0.0;           ///< s; 0 before the first step and after a jump of the commands
   NodeField last_positions, last_velocities, last_momentum;
+  double next_step = 0.0;           ///< s, proposed by the error control
+  std::shared_ptr<const FactorPoint> factor;  ///< null: the next stage makes one
   std::vector<double> last_stiffening;
 };
 
@@ -91,6 +101,7 @@ class Simulation {
   bool iterate(const Stage& stage, Trial& trial, bool newton);
   void evaluate(const Stage& stage, Trial& trial);
   bool renew_factor(const Stage& stage, const Trial& trial);
+  bool remake_factor();
   [[nodiscard]] bool valid() const;
   [[nodiscard]] NodeField stage_momentum(const Stage& stage, const Trial& trial);
   void finish(const Stage& stage, const Trial& trial, double h, State& next);
@@ -106,9 +117,9 @@ class Simulation {
   NodeField force_;
   double residual_ = 0.0;
   double scale_ = 0.0;
-  double factor_hg_ = 0.0;  // 0: no factor yet
+  std::shared_ptr<const FactorPoint> factor_;  // in use; null: none
   long factor_stamp_ = -1;  // of the system when this simulation factorised last
-  double next_step_ = 0.0;
+  double largest_increment_ = 0.0;  // m
   std::vector<double> delayed_lengths_, delayed_rates_;
 };
 

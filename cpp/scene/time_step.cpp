@@ -10,7 +10,6 @@ namespace {
 constexpr int quasi_newton_limit = 24;
 constexpr int newton_limit = 20;
 constexpr int worth_renewing = 9;          // iterations of a stage after which the factor is renewed
-constexpr double largest_increment = 0.02;  // m; beyond, an iteration is hopeless
 constexpr double least_scale = 0.1;         // N, force to which the tolerance refers at least
 
 }  // namespace
@@ -149,9 +148,21 @@ bool Simulation::valid() const {
 bool Simulation::renew_factor(const Stage& stage, const Trial& trial) {
   system_.assemble(trial, trial.mass_rate / stage.hg, report_);
   const bool done = system_.factorise(report_);
-  factor_hg_ = done ? stage.hg : 0.0;
+  factor_ = done ? std::make_shared<const FactorPoint>(FactorPoint{stage.hg, stage.time, trial}) : nullptr;
   factor_stamp_ = system_.factor_stamp();
   anderson_.reset();
+  return done;
+}
+
+// The factor of this movement again, after another solve has used the system's.
+bool Simulation::remake_factor() {
+  Trial trial = factor_->trial;
+  if (!delayed()) system_.set_command(commands_.at(factor_->time, false));
+  system_.measure(trial);
+  system_.force(trial, force_);
+  system_.assemble(trial, trial.mass_rate / factor_->hg, report_);
+  const bool done = system_.factorise(report_);
+  factor_stamp_ = system_.factor_stamp();
   return done;
 }
 
@@ -166,11 +177,15 @@ bool Simulation::solve_stage(const Stage& stage, Trial& trial) {
 
 bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
   anderson_.reset();
+  if (factor_ && factor_stamp_ != system_.factor_stamp()) {
+    if (!remake_factor()) factor_.reset();
+    if (!delayed()) system_.set_command(commands_.at(stage.time, false));
+  }
   evaluate(stage, trial);
   if (!valid()) return false;
-  const double ratio = factor_hg_ / stage.hg;
+  const double ratio = factor_ ? factor_->hg / stage.hg : 0.0;
   bool fresh = false;
-  if (newton || ratio < 0.5 || ratio > 2.0 || factor_stamp_ != system_.factor_stamp()) {
+  if (newton || ratio < 0.5 || ratio > 2.0) {
     if (!renew_factor(stage, trial)) return false;
     fresh = true;
   }
@@ -178,7 +193,7 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
   for (int k = 0; k < (newton ? newton_limit : quasi_newton_limit); ++k) {
     const double goal = options_.tolerance * std::max(scale_, least_scale * trial.elastic_share);
     if (residual_ <= goal) {
-      if (k > worth_renewing) factor_hg_ = 0.0;
+      if (k > worth_renewing) factor_.reset();
       return true;
     }
     ++report_.quasi_newton;
@@ -189,7 +204,7 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
     else
       system_.precondition(F);
     const Vector increment = newton ? F : anderson_.increment(system_.restrict_free(trial.positions), F, G);
-    const bool hopeless = !(increment.cwiseAbs().maxCoeff() < largest_increment);
+    const bool hopeless = !(increment.cwiseAbs().maxCoeff() < largest_increment_);
     Trial previous;
     if (!fresh) previous = trial;
     if (!hopeless) {

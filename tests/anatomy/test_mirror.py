@@ -107,8 +107,7 @@ def test_asymmetric_muscles(
 
 
 def test_asymmetric_bodies(make_block: Callable[..., Any]) -> None:
-    with pytest.raises(InputError, match="node set 'jaw' is not symmetric: it lacks node"):
-        half_body(_speaker(make_block, node_sets={"jaw": [0]}))
+    half_body(_speaker(make_block, node_sets={"landmark": [0]}))  # a set that nothing holds may be lopsided
     nodes, hexahedra, _ = make_block(1, 1, 1)
     with pytest.raises(InputError, match="hexahedron 0 crosses the midplane"):
         half_body(Speaker(nodes, hexahedra))

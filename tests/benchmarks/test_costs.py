@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.blocks import block
 
 import glossa
 from glossa import _core
-from tests.blocks import block
 
 pytestmark = pytest.mark.slow
 PB = Path(__file__).parents[3] / "shared" / "reference" / "pb"

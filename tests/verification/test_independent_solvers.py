@@ -81,7 +81,6 @@ def test_p3_limit() -> None:
     assert coarse < middle < fine < limit
 
 
-@pytest.mark.xfail(strict=True, reason="the longest step of an equilibrium is 4 mm, whatever the size of the body")
 def test_p3_cook_at_full_size() -> None:
     assert cook(2, scale=1.0) == pytest.approx(COOK_M[2], rel=1e-8)
 

@@ -61,7 +61,6 @@ def test_another_solve_in_between(scene: Scene) -> None:
     assert a == pytest.approx(b, abs=1e-7)  # stages are solved to 2e-6 of the force scale
 
 
-@pytest.mark.xfail(strict=True, reason="solves of the same muscles share one factor: a renewed one changes rounding")
 def test_another_solve_in_between_keeps_the_bits(scene: Scene) -> None:
     a, b = side_by_side(scene, disturb=True)
     assert a.tobytes() == b.tobytes()
@@ -92,7 +91,6 @@ def test_going_back(scene: Scene, options: dict[str, Any]) -> None:
     assert again.positions[-1] == pytest.approx(there.positions[-1], abs=tolerance)
 
 
-@pytest.mark.xfail(strict=True, reason="a state holds neither the frozen factor nor the proposed step")
 @pytest.mark.parametrize("options", OPTIONS[:2])
 def test_going_back_keeps_the_bits(scene: Scene, options: dict[str, Any]) -> None:
     there, again, once_more = (movement_bits(movement) for movement in go_back(scene, options))

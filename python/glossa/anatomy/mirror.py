@@ -104,7 +104,7 @@ def half_body(speaker: Speaker) -> HalfBody:
     """The half y >= 0 of a mirror-symmetric speaker.
 
     Raises:
-        InputError: the speaker is not mirror symmetric; the message names the node, element, node set or fibre.
+        InputError: the speaker is not mirror symmetric; the message names the node, element or fibre.
     """
     partner = mirror_pairs(speaker.nodes)
     y = speaker.nodes[:, 1]
@@ -115,7 +115,7 @@ def half_body(speaker: Speaker) -> HalfBody:
     node_index = np.where(reflected, half_number[partner], half_number).astype(np.int32)
     element_partner = _element_pairs(speaker.hexahedra, partner)
     kept_elements, element_index = _kept_elements(speaker.hexahedra, reflected, element_partner, partner)
-    _check_sets(speaker, partner, element_partner)
+    _check_muscles(speaker, element_partner)
     fibres: list[HalfFibre] = []
     fibre_index = {
         name: _half_fibres(name, muscle, partner, half_number, fibres) for name, muscle in speaker.muscles.items()
@@ -163,11 +163,7 @@ def _kept_elements(
     return kept, np.where(number >= 0, number, number[element_partner]).astype(np.int32)
 
 
-def _check_sets(speaker: Speaker, partner: IntArray, element_partner: IntArray) -> None:
-    for name, nodes in speaker.node_sets.items():
-        missing = np.setdiff1d(partner[nodes], nodes)
-        if len(missing):
-            raise InputError(f"node set {name!r} is not symmetric: it lacks node {missing[0]}, a mirror image")
+def _check_muscles(speaker: Speaker, element_partner: IntArray) -> None:
     for name, muscle in speaker.muscles.items():
         missing = np.setdiff1d(element_partner[muscle.elements], muscle.elements)
         if len(missing):

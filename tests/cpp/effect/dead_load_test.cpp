@@ -1,10 +1,12 @@
 #include "effect/dead_load.hpp"
 
 #include "../fixture.hpp"
+#include "effect/elasticity.hpp"
+#include "effect/inertia.hpp"
 
 namespace glossa::test {
 
-TEST_CASE("gravity: nodal loads add up to the weight, and turn about the centre of mass") {
+TEST_CASE("gravity: nodal loads add up to the weight, and each node carries its share of the consistent mass") {
   const HexMesh mesh = block(3, 2, 1, 0.2, 0.01, 1);
   const Vector3 g(0.3, -1.0, -9.81);
   const NodeField load = gravity_load(mesh, 1040.0, g);
@@ -14,6 +16,10 @@ TEST_CASE("gravity: nodal loads add up to the weight, and turn about the centre 
   for (Index n = 0; n < mesh.node_count(); ++n) total += at(load, n);
   CHECK_WITHIN((total - 1040.0 * volume * g).norm() / total.norm(), 1e-14);
   CHECK(at(load, mesh.node_count() - 1).isZero(0.0));  // the outside point
+  NodeField acceleration, share(load.size(), 0.0);
+  for (Index n = 0; n < mesh.node_count(); ++n) acceleration.insert(acceleration.end(), g.begin(), g.end());
+  Inertia(mesh.hexahedra(), mesh.node_count(), element_masses(mesh, 1040.0)).multiply(1.0, acceleration, share);
+  CHECK_WITHIN(worst_entry(load, share), 1e-14);
 }
 
 TEST_CASE("gravity: a regular block shares its weight 1 : 2 : 4 among corner, edge and face") {

@@ -96,7 +96,6 @@ TEST_CASE("element kernel: the baseline and the widest instruction set agree to 
     CHECK_WITHIN(worst_entry(wide.dilatation, base.dilatation), 5e-15);
     CHECK_WITHIN(worst_entry(wide.isochoric, base.isochoric), 1e-13);
     CHECK_WITHIN(worst_entry(wide.volumetric, base.volumetric), 2e-13);
-    CHECK(wide.tangent != base.tangent);
   }
 }
 

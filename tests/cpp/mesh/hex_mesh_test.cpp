@@ -32,6 +32,11 @@ TEST_CASE("hex mesh: volumes, counts and outside nodes") {
   CHECK_WITHIN(std::abs(volume / 6e-6 - 1.0), 1e-14);
 }
 
+TEST_CASE("hex mesh: extent is the longest edge of the box around the hexahedra, outside nodes left out") {
+  CHECK(block(3, 2, 1, 0.0, 0.01, 4).extent() == doctest::Approx(0.03).epsilon(1e-15));
+  CHECK(block(1, 2, 4).extent() == doctest::Approx(0.04).epsilon(1e-15));
+}
+
 TEST_CASE("hex mesh: volume of a sheared and stretched cube is the determinant of the map") {
   Random random(3);
   const Matrix3 F = Matrix3::Identity() + random.matrix(0.4);

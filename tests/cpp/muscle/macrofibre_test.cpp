@@ -80,8 +80,7 @@ TEST_CASE("macrofibre: softening keeps rest lengths, changes little, and stops a
   for (Index f = 0; f < 3; ++f) {
     const double rest = sharp.fibres.rest_length[static_cast<std::size_t>(f)];
     CHECK_WITHIN(std::abs(fibre_length(soft.fibres, f, soft.mesh.nodes()) / rest - 1.0), 1e-15);
-    const double change =
-        fibre_length(soft.fibres, f, soft.positions) - fibre_length(sharp.fibres, f, soft.positions);
+    const double change = fibre_length(soft.fibres, f, soft.positions) - fibre_length(sharp.fibres, f, soft.positions);
     CHECK_WITHIN(std::abs(change) / rest, 1e-4);
   }
   NodeField collapsed = soft.positions;

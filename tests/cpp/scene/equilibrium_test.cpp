@@ -54,7 +54,7 @@ TEST_CASE("equilibrium: muscles, stiffening and an outside point; the solution d
     if (solver.scene().options().free[k]) start[k] += 1e-3 * std::sin(7.0 * static_cast<double>(k));
   const Equilibrium again = equilibrate(system, start, {}, mesh.nodes(), {});
   REQUIRE(again.report.status == Status::converged);
-  CHECK_WITHIN(distance(again.positions, result.positions), 3e-10);  // tolerance over the softest mode
+  CHECK_WITHIN(distance(again.positions, result.positions), 6e-11);  // tolerance over the softest mode
 }
 
 TEST_CASE("equilibrium: held nodes follow their target, a block pressed together by 30 %") {
@@ -78,7 +78,7 @@ TEST_CASE("equilibrium: held nodes follow their target, a block pressed together
   for (std::size_t n = 0; n < 16; ++n) bottom += result.force[3 * n + 2];
   for (std::size_t n = 48; n < 64; ++n) top += result.force[3 * n + 2];
   CHECK(top < -1.0);                                            // the plate pushes down
-  CHECK_WITHIN(std::abs(top + bottom) / std::abs(top), 2e-12);  // what the last iteration left
+  CHECK_WITHIN(std::abs(top + bottom) / std::abs(top), 1e-9);  // what the last iteration left
 }
 
 TEST_CASE("equilibrium: external loads are carried by the support") {
