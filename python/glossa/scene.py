@@ -331,8 +331,8 @@ class Scene:
         raise SolveError(
             f"no equilibrium: {report.status} after {report.iterations} iterations, residual {report.residual:.3g} N "
             f"of a force scale of {report.force_scale:.3g} N, smallest Jacobian {report.least_jacobian:.3g} in "
-            f"hexahedron {report.worst_element}; .posture is the last good state. Start from a nearer posture or change the "
-            "commands in smaller steps",
+            f"hexahedron {report.worst_element}; .posture is the last good state. Start from a nearer posture or "
+            "change the commands in smaller steps",
             status=report.status,
             posture=posture,
             report=report,
