@@ -47,6 +47,7 @@ double least_jacobian(const NodeField& nodes, const Hexahedron& hexahedron) {
 
 HexMesh::HexMesh(NodeField nodes, std::vector<Hexahedron> hexahedra)
     : nodes_(std::move(nodes)), hexahedra_(std::move(hexahedra)) {
+  require(nodes_.size() % 3 == 0, "mesh: three coordinates per node are needed");
   require(!hexahedra_.empty(), "mesh: at least one hexahedron is needed");
   for (std::size_t k = 0; k < nodes_.size(); ++k)
     require(std::isfinite(nodes_[k]), "node " + std::to_string(k / 3) + ": its coordinates must be finite");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "solver/anderson.hpp"
 
 namespace glossa {
@@ -236,6 +237,10 @@ class EquilibriumSolver {
 Equilibrium equilibrate(System& system, const NodeField& start, const std::vector<double>& pressure,
                         const NodeField& target, const EquilibriumOptions& options) {
   require_supported(system.scene().mesh(), system.free());
+  const HexMesh& mesh = system.scene().mesh();
+  require(start.size() == mesh.nodes().size() && target.size() == mesh.nodes().size() &&
+              (pressure.empty() || pressure.size() == static_cast<std::size_t>(mesh.element_count())),
+          "equilibrium: start, target and pressures must fit the body");
   const auto begin = std::chrono::steady_clock::now();
   system.seconds() = Seconds{};
   Equilibrium result;

@@ -1,5 +1,6 @@
 #include "scene/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.hpp"
@@ -29,6 +30,9 @@ void check_fibres(const HexMesh& mesh, const SceneOptions& options) {
     const std::string which = "fibre " + std::to_string(f) + ": ";
     require(fibres.muscle[k] >= 0 && fibres.muscle[k] < options.muscle_count, which + "muscle index out of range");
     require(fibres.nodes.length(f) >= 2, which + "needs at least two nodes");
+    std::vector<Index> visited(fibres.nodes.begin(f), fibres.nodes.end(f));
+    std::sort(visited.begin(), visited.end());
+    require(std::adjacent_find(visited.begin(), visited.end()) == visited.end(), which + "passes one node twice");
     for (const Index* n = fibres.nodes.begin(f); n != fibres.nodes.end(f); ++n)
       require(*n >= 0 && *n < mesh.node_count(), which + "node index " + std::to_string(*n) + " is out of range");
     positive(fibres.capacity[k], (which + "force capacity").c_str());

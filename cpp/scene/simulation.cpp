@@ -29,6 +29,9 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   require(std::isfinite(options_.tolerance) && options_.tolerance > 0.0, "tolerance must be positive and finite");
   require(std::isfinite(time), "start time must be finite");
   largest_increment_ = hopeless_share * system_.scene().mesh().extent();
+  require(positions.size() == system_.scene().mesh().nodes().size() &&
+              pressure.size() <= system_.elasticity().padded_count(),
+          "start: positions and pressures must fit the body");
   state_.time = time;
   state_.positions = positions;
   state_.velocities.assign(positions.size(), 0.0);
@@ -86,6 +89,14 @@ double Simulation::next_breakpoint(double until) const {
   return found ? next : until;
 }
 
+bool Simulation::at_breakpoint() const {
+  const double delay = delayed() ? system_.scene().options().reflex->delay : 0.0;
+  for (const double corner : commands_.corners())
+    for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo)
+      if (std::abs(corner + echo * delay - state_.time) <= same_time(state_.time)) return true;
+  return false;
+}
+
 double Simulation::proposed_step(double until) const {
   const double left = next_breakpoint(until) - state_.time;
   const double wish = std::min(options_.error_tolerance > 0.0 ? state_.next_step : options_.max_step, longest_step());
@@ -108,17 +119,18 @@ Status Simulation::advance(double until, Recording* recording) {
     }
     std::optional<State> uncrossed = cross_jump();
     const double whole = proposed_step(until);
-    double h = whole, proposal = state_.next_step;
+    double h = whole, proposal = state_.next_step, shortest_failed = whole;
     bool taken = false;
     while (!taken) {
       State next;
       double defect = 0.0;
-      const bool last_resort = h <= whole * smallest_part;
+      const bool last_resort = shortest_failed <= whole * smallest_part;
       taken = attempt(h, last_resort ? Integrator::backward_euler : options_.integrator, next, defect);
       if (!taken) {
         ++report_.rescued;
         if (last_resort) break;
         h *= 0.5;
+        shortest_failed = h;
         continue;
       }
       const double error = defect * defect_share(options_.integrator);
@@ -190,6 +202,7 @@ double Simulation::kinetic_energy() const {
 }
 
 double Simulation::potential_energy() {
+  system_.set_load({});
   Trial trial = system_.rest_trial();
   trial.positions = state_.positions;
   trial.isochoric_scale = state_.stiffening;

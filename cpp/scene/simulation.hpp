@@ -86,6 +86,7 @@ class Simulation {
   [[nodiscard]] bool delayed() const;
   [[nodiscard]] double longest_step() const;
   [[nodiscard]] double next_breakpoint(double until) const;
+  [[nodiscard]] bool at_breakpoint() const;
   [[nodiscard]] double proposed_step(double until) const;
 
   void given_activation(double time, bool after, std::vector<double>& activation);

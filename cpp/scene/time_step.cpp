@@ -15,7 +15,8 @@ constexpr double least_scale = 0.1;         // N, force to which the tolerance r
 }  // namespace
 
 bool Simulation::attempt(double h, Integrator method, State& next, double& defect) {
-  if (method == Integrator::bdf2 && (state_.last_step == 0.0 || h > 2.0 * state_.last_step))
+  // The last step of a two-step method must not lie across a corner of the commands or one of its echoes.
+  if (method == Integrator::bdf2 && (state_.last_step == 0.0 || h > 2.0 * state_.last_step || at_breakpoint()))
     method = Integrator::sdirk2;
   Stage stage = first_stage(h, method);
   std::vector<double> end_activation;
@@ -239,7 +240,8 @@ NodeField Simulation::stage_momentum(const Stage& stage, const Trial& trial) {
   tissue_force(trial.positions, factors, 1.0, momentum);
   for (double& x : momentum) x *= beta;
   system_.inertia().multiply(1.0, trial.velocities, momentum);
-  for (std::size_t k = 0; k < momentum.size(); ++k) momentum[k] -= stage.hg * residual[k];
+  for (std::size_t k = 0; k < momentum.size(); ++k)
+    if (system_.free()[k]) momentum[k] -= stage.hg * residual[k];
   return momentum;
 }
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/QR>
 
+#include <cmath>
+
 namespace glossa {
 
 void Anderson::reset() {
@@ -37,10 +39,12 @@ Vector Anderson::increment(const Vector& u, const Vector& F, const Vector& G) {
   const Eigen::MatrixXd normal = products_.topLeftCorner(m, m);
   Vector right(m);
   for (Eigen::Index i = 0; i < m; ++i) right(i) = differences_[static_cast<std::size_t>(i)].F.dot(G);
-  // Rank-revealing: nearly parallel differences must not blow up the step.
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(normal);
-  qr.setThreshold(1e-10);
-  const Vector gamma = qr.solve(right);
+  // Differences shrink as the iteration converges: they are scaled to one size before nearly parallel ones are cut.
+  const Vector size = normal.diagonal().cwiseAbs().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(1e-12);
+  decomposition.compute(size.asDiagonal() * normal * size.asDiagonal());
+  const Vector gamma = size.asDiagonal() * decomposition.solve(size.asDiagonal() * right);
   Vector step = F;
   for (Eigen::Index j = 0; j < m; ++j) {
     const Difference& d = differences_[static_cast<std::size_t>(j)];

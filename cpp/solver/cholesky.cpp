@@ -2,6 +2,8 @@
 
 #include <cholmod.h>
 
+#include <cmath>
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -136,6 +138,10 @@ Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 bool Cholesky::factorise(const LowerColumns& matrix) {
   [[maybe_unused]] const SingleThread single;
   cholmod_common& common = impl_->common;
+  // Not a number passes through BLAS without complaint.
+  double sum = 0.0;
+  for (const double x : matrix.value) sum += x;
+  if (!std::isfinite(sum)) return false;
   cholmod_sparse view = lower(matrix.column_start, matrix.row, matrix.value.data());
   common.quick_return_if_not_posdef = 1;
   const int done = cholmod_factorize(&view, impl_->factor, &common);

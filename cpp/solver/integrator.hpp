@@ -10,7 +10,8 @@
 //
 // sdirk2 (default): two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), stiffly accurate, L-stable, self-starting.
 // bdf2: one stage, variable step, started by sdirk2. backward_euler: first order, for rescue and comparison.
-// trapezoidal: energy conserving and not damped at high frequency; for comparison with other codes only, it rings.
+// trapezoidal: energy conserving and not damped at high frequency; for comparison with other codes only: it rings, and is
+// first order with muscles.
 #pragma once
 
 #include <string>
