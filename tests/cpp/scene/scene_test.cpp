@@ -41,6 +41,8 @@ TEST_CASE("scene: refuses fibres that do not fit the mesh") {
           [](SceneOptions& o) { o.fibres.capacity.pop_back(); });
   refused("fibre 2: muscle index out of range", [](SceneOptions& o) { o.muscle_count = 2; });
   refused("fibre 0: node index 28 is out of range", [](SceneOptions& o) { o.fibres.nodes.values[1] = 28; });
+  refused("fibre 0: passes one node twice",
+          [](SceneOptions& o) { o.fibres.nodes.values[1] = o.fibres.nodes.values[0]; });
   refused("fibre 1: force capacity must be positive and finite, it is 0.000000",
           [](SceneOptions& o) { o.fibres.capacity[1] = 0.0; });
   refused("fibre 1: length factor must be positive and finite, it is -2.000000",

@@ -1,6 +1,7 @@
 #include "solver/cholesky.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "../fixture.hpp"
 
@@ -63,6 +64,13 @@ TEST_CASE("cholesky: the rough solve is the exact one to single precision, after
     CHECK_WITHIN(worst_entry(rough, exact), 5e-6);  // 2^-24 times the condition
     CHECK(rough != exact);
   }
+}
+
+TEST_CASE("cholesky: a matrix with a value that is not a number is reported") {
+  LowerColumns columns = random_sparse(120, 0.1);
+  Cholesky factor(columns);
+  columns.value[columns.value.size() / 2] = std::nan("");
+  CHECK_FALSE(factor.factorise(columns));
 }
 
 TEST_CASE("cholesky: an indefinite matrix is reported, and the object serves again") {
