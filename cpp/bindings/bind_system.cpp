@@ -8,7 +8,8 @@ namespace {
 /// The pieces below equilibrate and step: forces, tangent and factor of a scene at given positions, in statics.
 class Pieces {
  public:
-  Pieces(Solver& solver, const DoubleArray& fractions, const py::object& free) : nodes_(solver.scene().mesh().node_count()) {
+  Pieces(Solver& solver, const DoubleArray& fractions, const py::object& free)
+      : nodes_(solver.scene().mesh().node_count()) {
     const std::vector<double> command = to_vector(fractions);
     const FreeMask mask = free.is_none() ? solver.scene().options().free : to_vector(free.cast<ByteArray>());
     system_ = std::make_unique<System>(solver.scene(), mask, commanded_muscles(command));
@@ -46,15 +47,14 @@ class Pieces {
   py::tuple matrix() {
     need(assembled_, "matrix needs assemble() first");
     const LowerColumns& columns = system_->columns();
-    return py::make_tuple(py::array_t<Index>(static_cast<py::ssize_t>(columns.column_start.size()), columns.column_start.data()),
-                          py::array_t<Index>(static_cast<py::ssize_t>(columns.row.size()), columns.row.data()),
-                          to_array(columns.value));
+    return py::make_tuple(indices(columns.column_start), indices(columns.row), to_array(columns.value));
   }
 
   bool factorise() {
     need(assembled_, "factorise needs assemble() first");
+    const int before = report_.indefinite;
     factorised_ = released([&] { return system_->factorise(report_); });
-    return factorised_ && report_.indefinite == 0;
+    return factorised_ && report_.indefinite == before;
   }
 
   py::array_t<double> solve(const DoubleArray& right, bool roughly) {
@@ -74,14 +74,16 @@ class Pieces {
   }
 
   [[nodiscard]] py::array_t<Index> unknowns() const {
-    const auto& list = system_->component_of_unknown();
-    return py::array_t<Index>(static_cast<py::ssize_t>(list.size()), list.data());
+    return indices(system_->component_of_unknown());
   }
   [[nodiscard]] double factor_entries() const { return system_->cholesky().factor_entries(); }
   [[nodiscard]] double factor_flops() const { return system_->cholesky().factor_flops(); }
 
  private:
   static void need(bool done, const char* message) { require(done, message); }
+  static py::array_t<Index> indices(const std::vector<Index>& list) {
+    return py::array_t<Index>(static_cast<py::ssize_t>(list.size()), list.data());
+  }
 
   py::ssize_t nodes_;
   std::unique_ptr<System> system_;
@@ -103,7 +105,8 @@ void bind_system(py::module_& module) {
       .def("energy", &Pieces::energy, "Potential energy, stiffening held, J.")
       .def("assemble", &Pieces::assemble, "Symmetric tangent at these positions.")
       .def("matrix", &Pieces::matrix, "Lower triangle: column starts, rows, values (N/m).")
-      .def("factorise", &Pieces::factorise, "True if the tangent is positive definite as it is.")
+      .def("factorise", &Pieces::factorise,
+           "True if the tangent is positive definite as it is; else a shifted one is factorised in its place.")
       .def("solve", &Pieces::solve, py::arg("right"), py::kw_only(), py::arg("roughly") = false,
            "Minus the inverse of the tangent times a vector of the unknowns; roughly: in single precision.")
       .def_property_readonly("unknowns", &Pieces::unknowns, "Flat component 3 n + i of every unknown.")
