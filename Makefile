@@ -32,7 +32,7 @@ MADE_SANE    := $(SANE)/.made-package
 help:
 	@echo "make vowels    install what is missing, build, print and plot the four vowels (vowels.png)"
 	@echo "make test      C++ and Python tests"
-	@echo "make lint      ruff and mypy"
+	@echo "make lint      ruff, clang-format and mypy"
 	@echo "make bench     benchmarks, with their tables"
 	@echo "make sanitize  C++ tests and fast Python tests under the address and undefined-behaviour sanitizers"
 	@echo "make build     install the package into $(VENV)"
@@ -47,10 +47,11 @@ test: $(CPP_TEST_RUN) $(MADE_DEV)
 
 lint: $(MADE_PACKAGE) $(MADE_DEV)
 	$(VENV)/bin/ruff check .
+	$(VENV)/bin/clang-format --dry-run -Werror $$(find cpp tests/cpp -name '*.[ch]pp')
 	$(VENV)/bin/mypy
 
 bench: $(MADE_PACKAGE) $(MADE_DEV)
-	$(PY) -m pytest tests/benchmarks --benchmark-enable -s
+	$(PY) -m pytest tests/benchmarks --benchmark-enable -s -m ""
 
 build: $(MADE_PACKAGE)
 

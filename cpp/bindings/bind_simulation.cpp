@@ -87,10 +87,12 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("positions", [](const Simulation& s) { return to_array(s.state().positions, 3); })
       .def_property_readonly("velocities", [](const Simulation& s) { return to_array(s.state().velocities, 3); })
       .def_property_readonly("momentum", [](const Simulation& s) { return to_array(s.state().momentum, 3); })
-      .def_property_readonly("activation", [](const Simulation& s) { return to_array(on_scene(s, s.state().activation)); })
+      .def_property_readonly("activation",
+                             [](const Simulation& s) { return to_array(on_scene(s, s.state().activation)); })
       .def_property_readonly("tension", [](const Simulation& s) { return to_array(on_scene(s, s.state().tension)); })
-      .def_property("state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state,
-                    "A copy of the state; assigning one goes back to it.")
+      .def_property(
+          "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state,
+          "A copy of the state; assigning one goes back to it.")
       .def_property_readonly("kinetic_energy", &Simulation::kinetic_energy)
       .def_property_readonly("potential_energy", &Simulation::potential_energy)
       .def_property_readonly("report", [](const Simulation& s) { return s.report(); });

@@ -73,9 +73,7 @@ class Pieces {
     return to_array(std::vector<double>(x.data(), x.data() + x.size()));
   }
 
-  [[nodiscard]] py::array_t<Index> unknowns() const {
-    return indices(system_->component_of_unknown());
-  }
+  [[nodiscard]] py::array_t<Index> unknowns() const { return indices(system_->component_of_unknown()); }
   [[nodiscard]] double factor_entries() const { return system_->cholesky().factor_entries(); }
   [[nodiscard]] double factor_flops() const { return system_->cholesky().factor_flops(); }
 

@@ -7,6 +7,8 @@ namespace glossa {
 bool has_avx2();
 
 /// "avx2" or "baseline".
-inline const char* kernel_name() { return has_avx2() ? "avx2" : "baseline"; }
+inline const char* kernel_name() {
+  return has_avx2() ? "avx2" : "baseline";
+}
 
 }  // namespace glossa

@@ -17,7 +17,9 @@ typedef double Pack __attribute__((vector_size(lanes * sizeof(double)), aligned(
 typedef std::int64_t PackBits __attribute__((vector_size(lanes * sizeof(std::int64_t)), aligned(32)));
 
 /// All lanes equal to `value`.
-GLOSSA_ALWAYS_INLINE Pack splat(double value) { return Pack{value, value, value, value}; }
+GLOSSA_ALWAYS_INLINE Pack splat(double value) {
+  return Pack{value, value, value, value};
+}
 
 /// x^(-1/3) for x > 0, to rounding. A guess from the exponent bits is improved by Newton's iteration
 /// y <- y (4 - x y^3) / 3, whose relative error goes from e to about 2 e^2. Lanes with x <= 0 return rubbish.

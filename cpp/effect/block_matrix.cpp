@@ -132,8 +132,8 @@ BlockMatrix::Slot BlockMatrix::slot(Index a, Index b) const {
   const auto column = static_cast<std::size_t>(std::min(i, j));
   const auto first = block_row_.begin() + block_start_[column], last = block_row_.begin() + block_start_[column + 1];
   const auto it = std::lower_bound(first, last, std::max(i, j));
-  require(it != last && *it == std::max(i, j), "tangent: nodes " + std::to_string(a) + " and " + std::to_string(b) +
-                                                   " are not coupled in the layout");
+  require(it != last && *it == std::max(i, j),
+          "tangent: nodes " + std::to_string(a) + " and " + std::to_string(b) + " are not coupled in the layout");
   return {static_cast<Index>(it - block_row_.begin()), i < j};
 }
 
@@ -149,7 +149,8 @@ void BlockMatrix::gather(std::span<const double> element_tangents, double mass_s
   parallel_ranges(static_cast<int>(block_row_.size()), threads, [&](int begin, int end) {
     for (int b = begin; b < end; ++b) {
       double sum[9] = {};
-      for (Index s = source_start_[static_cast<std::size_t>(b)]; s < source_start_[static_cast<std::size_t>(b) + 1]; ++s) {
+      for (Index s = source_start_[static_cast<std::size_t>(b)]; s < source_start_[static_cast<std::size_t>(b) + 1];
+           ++s) {
         const Source source = sources_[static_cast<std::size_t>(s)];
         const double* from = element_tangents.data() + 9 * static_cast<std::size_t>(source.offset);
         if (source.transposed)
@@ -174,11 +175,14 @@ void BlockMatrix::add(Slot s, const Matrix3& block) {
     for (int j = 0; j < 3; ++j) to[3 * i + j] += s.transposed ? block(j, i) : block(i, j);
 }
 
-void BlockMatrix::add(Index a, Index b, const Matrix3& block) { add(slot(a, b), block); }
+void BlockMatrix::add(Index a, Index b, const Matrix3& block) {
+  add(slot(a, b), block);
+}
 
 void BlockMatrix::shift_diagonal(double shift) {
   for (std::size_t J = 0; J < node_of_rank_.size(); ++J)
-    for (const int k : {0, 4, 8}) blocks_[9 * static_cast<std::size_t>(block_start_[J]) + static_cast<std::size_t>(k)] += shift;
+    for (const int k : {0, 4, 8})
+      blocks_[9 * static_cast<std::size_t>(block_start_[J]) + static_cast<std::size_t>(k)] += shift;
 }
 
 const LowerColumns& BlockMatrix::columns(int threads) {
@@ -186,13 +190,15 @@ const LowerColumns& BlockMatrix::columns(int threads) {
     for (auto J = static_cast<std::size_t>(begin); J < static_cast<std::size_t>(end); ++J) {
       for (Index c = 0; c < free_count_[J]; ++c) {
         const Index j = free_components_[J][static_cast<std::size_t>(c)];
-        double* column = columns_.value.data() + columns_.column_start[static_cast<std::size_t>(first_unknown_[J] + c)] - c;
+        double* column =
+            columns_.value.data() + columns_.column_start[static_cast<std::size_t>(first_unknown_[J] + c)] - c;
         for (Index b = block_start_[J]; b < block_start_[J + 1]; ++b) {
           const auto I = static_cast<std::size_t>(block_row_[static_cast<std::size_t>(b)]);
           const double* block = blocks_.data() + 9 * static_cast<std::size_t>(b);
           double* to = column + row_offset_[static_cast<std::size_t>(b)];
           const Index skip = I == J ? c : 0;
-          for (Index r = skip; r < free_count_[I]; ++r) to[r] = block[3 * free_components_[I][static_cast<std::size_t>(r)] + j];
+          for (Index r = skip; r < free_count_[I]; ++r)
+            to[r] = block[3 * free_components_[I][static_cast<std::size_t>(r)] + j];
         }
       }
     }

@@ -30,8 +30,8 @@ using NodeOrdering = std::vector<Index> (*)(const std::vector<Index>& column_sta
 class BlockMatrix {
  public:
   /// `elements`: cells whose packed tangents are gathered. `extra`: further groups of nodes that become fully coupled.
-  BlockMatrix(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-              const Rows<Index>& extra, NodeOrdering ordering);
+  BlockMatrix(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements, const Rows<Index>& extra,
+              NodeOrdering ordering);
 
   [[nodiscard]] Index unknown_count() const { return static_cast<Index>(component_of_unknown_.size()); }
   /// Flat component (3 n + i) of an unknown.

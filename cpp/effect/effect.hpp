@@ -15,11 +15,11 @@ namespace glossa {
 /// and Rayleigh damping C = alpha M + beta K in momentum form (solver/integrator.hpp), V depends on u with
 /// velocity_share = 1 / hg, elastic forces carry 1 + beta / hg and the inertial term (1 / hg + alpha) M V.
 struct Trial {
-  NodeField positions;   ///< m
-  NodeField velocities;  ///< m/s
+  NodeField positions;          ///< m
+  NodeField velocities;         ///< m/s
   double velocity_share = 0.0;  ///< dV/du, 1/s
   double elastic_share = 1.0;
-  double mass_rate = 0.0;       ///< factor of M V, 1/s
+  double mass_rate = 0.0;               ///< factor of M V, 1/s
   std::vector<double> isochoric_scale;  ///< per element, padded to whole batches: elastic_share s - beta s'
   std::vector<double> pressure;         ///< per element, padded: p of the geometric stiffness, Pa
   std::vector<double> activation;       ///< per fibre, m

@@ -152,7 +152,8 @@ void Elasticity::predict_pressure(const NodeField& dx, double step, std::vector<
     const double* b = volume_gradient_.data() + e * element_force_size;
     double change = 0.0;
     for (std::size_t a = 0; a < hex::corners; ++a)
-      for (std::size_t i = 0; i < 3; ++i) change += b[3 * a + i] * dx[3 * static_cast<std::size_t>(mesh_.hexahedra()[e][a]) + i];
+      for (std::size_t i = 0; i < 3; ++i)
+        change += b[3 * a + i] * dx[3 * static_cast<std::size_t>(mesh_.hexahedra()[e][a]) + i];
     const double predicted = law_.kappa * (dilatation_[e] - 1.0 + change / mesh_.volume(static_cast<Index>(e)));
     pressure[e] += step * (predicted - pressure[e]);
   }
@@ -167,9 +168,8 @@ double Elasticity::least_jacobian() const {
 }
 
 Index Elasticity::worst_element() const {
-  return static_cast<Index>(
-      std::min_element(least_jacobian_.begin(), least_jacobian_.begin() + mesh_.element_count()) -
-      least_jacobian_.begin());
+  return static_cast<Index>(std::min_element(least_jacobian_.begin(), least_jacobian_.begin() + mesh_.element_count()) -
+                            least_jacobian_.begin());
 }
 
 }  // namespace glossa

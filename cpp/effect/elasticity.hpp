@@ -63,7 +63,8 @@ class Elasticity final : public Effect {
   double mass_scale_ = 0.0;
   std::vector<Index> source_start_;  // per node: its corners in elements
   std::vector<Index> source_;        // 8 e + a
-  std::vector<double> force_, tangent_, volume_gradient_, dilatation_, isochoric_energy_, volumetric_energy_, least_jacobian_;
+  std::vector<double> force_, tangent_, volume_gradient_, dilatation_, isochoric_energy_, volumetric_energy_,
+      least_jacobian_;
 };
 
 }  // namespace glossa

@@ -13,9 +13,15 @@ namespace {
 
 typedef double LoosePack __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-GLOSSA_ALWAYS_INLINE Pack load(const double* from) { return *reinterpret_cast<const LoosePack*>(from); }
-GLOSSA_ALWAYS_INLINE void store(double* to, Pack value) { *reinterpret_cast<LoosePack*>(to) = value; }
-GLOSSA_ALWAYS_INLINE Pack smaller(Pack a, Pack b) { return a < b ? a : b; }
+GLOSSA_ALWAYS_INLINE Pack load(const double* from) {
+  return *reinterpret_cast<const LoosePack*>(from);
+}
+GLOSSA_ALWAYS_INLINE void store(double* to, Pack value) {
+  *reinterpret_cast<LoosePack*>(to) = value;
+}
+GLOSSA_ALWAYS_INLINE Pack smaller(Pack a, Pack b) {
+  return a < b ? a : b;
+}
 
 struct PointState {
   Pack F[3][3];
@@ -70,8 +76,7 @@ inline void add_tangent(const double gradient[8][3][lanes], const Pack f[8][3], 
       Pack* block = K[pair];
       const Pack diagonal = load(gradient[a][0]) * G[0] + load(gradient[a][1]) * G[1] + load(gradient[a][2]) * G[2];
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          block[3 * i + j] += f[a][i] * h[j] + g[a][i] * k[j] + swapped[i] * g[a][j];
+        for (int j = 0; j < 3; ++j) block[3 * i + j] += f[a][i] * h[j] + g[a][i] * k[j] + swapped[i] * g[a][j];
       block[0] += diagonal;
       block[4] += diagonal;
       block[8] += diagonal;
@@ -112,14 +117,14 @@ inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pa
 
     Pack f[8][3], g[8][3];
     for (int n = 0; n < 8; ++n) {
-      const Pack G0 = load(rest.gradient[q][n][0]), G1 = load(rest.gradient[q][n][1]), G2 = load(rest.gradient[q][n][2]);
+      const Pack G0 = load(rest.gradient[q][n][0]), G1 = load(rest.gradient[q][n][1]),
+                 G2 = load(rest.gradient[q][n][2]);
       for (int i = 0; i < 3; ++i) {
         f[n][i] = s.F[i][0] * G0 + s.F[i][1] * G1 + s.F[i][2] * G2;
         g[n][i] = s.H[i][0] * G0 + s.H[i][1] * G1 + s.H[i][2] * G2;
         t.force[n][i] += stress * (f[n][i] - third * g[n][i]);
         t.volume_gradient[n][i] += wJ * g[n][i];
-        if constexpr (!mean_dilatation)
-          t.force[n][i] += vscale * point_pressure * wJ * g[n][i];
+        if constexpr (!mean_dilatation) t.force[n][i] += vscale * point_pressure * wJ * g[n][i];
       }
     }
     if constexpr (with_tangent) {

@@ -37,18 +37,18 @@ struct ElasticSweep {
   const RestBatch* batches = nullptr;
   Yeoh law{};
   bool mean_dilatation = true;
-  const double* positions = nullptr;         ///< current node positions, m
-  const double* isochoric_scale = nullptr;   ///< per element: s of eq. 1 times the scale of the stage
-  double volumetric_scale = 1.0;             ///< scale of the volumetric part
-  const double* pressure = nullptr;          ///< per element: p of the geometric term (tangent only), Pa
+  const double* positions = nullptr;        ///< current node positions, m
+  const double* isochoric_scale = nullptr;  ///< per element: s of eq. 1 times the scale of the stage
+  double volumetric_scale = 1.0;            ///< scale of the volumetric part
+  const double* pressure = nullptr;         ///< per element: p of the geometric term (tangent only), Pa
 
-  double* force = nullptr;             ///< out, element_force_size per element, N
-  double* tangent = nullptr;           ///< out or null, element_tangent_size per element, N/m
-  double* volume_gradient = nullptr;   ///< out with the tangent: b = dv/dx, element_force_size per element, m2
-  double* dilatation = nullptr;        ///< out: theta per element
-  double* isochoric_energy = nullptr;  ///< out: Sum_g w Wiso at s = 1 per element, J
-  double* volumetric_energy = nullptr; ///< out, J
-  double* least_jacobian = nullptr;    ///< out: smallest J over the Gauss points per element
+  double* force = nullptr;              ///< out, element_force_size per element, N
+  double* tangent = nullptr;            ///< out or null, element_tangent_size per element, N/m
+  double* volume_gradient = nullptr;    ///< out with the tangent: b = dv/dx, element_force_size per element, m2
+  double* dilatation = nullptr;         ///< out: theta per element
+  double* isochoric_energy = nullptr;   ///< out: Sum_g w Wiso at s = 1 per element, J
+  double* volumetric_energy = nullptr;  ///< out, J
+  double* least_jacobian = nullptr;     ///< out: smallest J over the Gauss points per element
 };
 
 /// Sweeps the batches [begin, end). The widest instruction set of this processor is chosen at run time.

@@ -4,8 +4,7 @@
 
 namespace glossa {
 
-Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count,
-                 const std::vector<double>& element_masses) {
+Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses) {
   std::vector<std::map<Index, double>> rows(static_cast<std::size_t>(node_count));
   std::size_t pair = 0;
   for (const Hexahedron& nodes : elements)

@@ -55,8 +55,8 @@ double MuscleForce::axial_stiffness(const Trial& trial, std::size_t k) const {
   const double a = trial.activation[k];
   if (a <= 0.0) return 0.0;
   const double v = rate_[k] / fibres_.rest_length[k];
-  double slope = fibres_.capacity[k] * law_.level(a) * law_.velocity_slope(v) / fibres_.rest_length[k] *
-                 trial.velocity_share;
+  double slope =
+      fibres_.capacity[k] * law_.level(a) * law_.velocity_slope(v) / fibres_.rest_length[k] * trial.velocity_share;
   if (trial.activation_follows)
     slope += fibres_.capacity[k] * law_.level_slope(a) * law_.velocity_factor(v) *
              (1.0 + trial.rate_gain * trial.velocity_share);
@@ -76,7 +76,8 @@ void MuscleForce::add_tangent(const Trial& trial, BlockMatrix& matrix) {
     const BlockMatrix::Slot* slot = slots_.data() + slot_start_[k];
     for (Index b = 0; b < count; ++b)
       for (Index a = 0; a <= b; ++a, ++slot) {
-        Matrix3 block = axial * gradient_[static_cast<std::size_t>(a)] * gradient_[static_cast<std::size_t>(b)].transpose();
+        Matrix3 block =
+            axial * gradient_[static_cast<std::size_t>(a)] * gradient_[static_cast<std::size_t>(b)].transpose();
         if (a + 1 == b) block -= bend_[static_cast<std::size_t>(a)];
         if (a == b && b > 0) block += bend_[static_cast<std::size_t>(b) - 1];
         if (a == b && b + 1 < count) block += bend_[static_cast<std::size_t>(b)];

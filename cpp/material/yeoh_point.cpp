@@ -30,8 +30,8 @@ YeohPoint evaluate(const Yeoh& law, const Eigen::Matrix3d& F, double stiffening)
           const double identity = (i == k && j == l) ? 1.0 : 0.0;
           const double cross = H(i, l) * H(k, j);
           const double second = 2.0 * a *
-                                (identity - 2.0 / 3.0 * (H(i, j) * F(k, l) + F(i, j) * H(k, l)) +
-                                 trace / 3.0 * cross + 2.0 * trace / 9.0 * H(i, j) * H(k, l));
+                                (identity - 2.0 / 3.0 * (H(i, j) * F(k, l) + F(i, j) * H(k, l)) + trace / 3.0 * cross +
+                                 2.0 * trace / 9.0 * H(i, j) * H(k, l));
           point.tangent(i + 3 * j, k + 3 * l) = slope * second + curvature * di(i, j) * di(k, l) +
                                                 law.kappa * J * J * H(i, j) * H(k, l) +
                                                 p * J * (H(i, j) * H(k, l) - cross);

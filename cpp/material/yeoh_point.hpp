@@ -10,8 +10,8 @@ namespace glossa {
 /// Energy density, first Piola-Kirchhoff stress and its derivative at one deformation gradient.
 /// The element kernels hold the same formulas contracted with the shape functions; this form serves single points.
 struct YeohPoint {
-  double energy;                      ///< Pa
-  Eigen::Matrix3d stress;             ///< P = dW/dF, Pa
+  double energy;                        ///< Pa
+  Eigen::Matrix3d stress;               ///< P = dW/dF, Pa
   Eigen::Matrix<double, 9, 9> tangent;  ///< dP/dF, Pa, both indices column-major (vec F)
 };
 

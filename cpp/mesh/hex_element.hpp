@@ -12,14 +12,8 @@ inline constexpr int corners = 8;
 inline constexpr int points = 8;
 
 /// Natural coordinates of the corners, VTK order.
-inline constexpr std::array<std::array<double, 3>, corners> corner{{{-1, -1, -1},
-                                                                    {1, -1, -1},
-                                                                    {1, 1, -1},
-                                                                    {-1, 1, -1},
-                                                                    {-1, -1, 1},
-                                                                    {1, -1, 1},
-                                                                    {1, 1, 1},
-                                                                    {-1, 1, 1}}};
+inline constexpr std::array<std::array<double, 3>, corners> corner{
+    {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
 
 /// Faces as corner lists, normals outward.
 inline constexpr std::array<std::array<int, 4>, 6> faces{

@@ -7,7 +7,9 @@
 
 namespace glossa {
 
-DelayHistory::DelayHistory(double time, std::vector<double> lengths) { knots_.push_back({time, std::move(lengths)}); }
+DelayHistory::DelayHistory(double time, std::vector<double> lengths) {
+  knots_.push_back({time, std::move(lengths)});
+}
 
 void DelayHistory::append(double time, std::vector<double> lengths) {
   require(!knots_.empty() && time > knots_.back().time, "delay history: time must grow, " + std::to_string(time));
@@ -27,8 +29,8 @@ void DelayHistory::evaluate(double time, std::vector<double>& lengths, std::vect
   const std::size_t count = knots_.back().lengths.size();
   lengths.resize(count);
   rates.assign(count, 0.0);
-  const auto later = std::upper_bound(knots_.begin(), knots_.end(), time,
-                                      [](double t, const Knot& knot) { return t < knot.time; });
+  const auto later =
+      std::upper_bound(knots_.begin(), knots_.end(), time, [](double t, const Knot& knot) { return t < knot.time; });
   if (later == knots_.begin() || knots_.size() == 1) {
     lengths = knots_.front().lengths;
     return;

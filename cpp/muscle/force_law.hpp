@@ -12,13 +12,13 @@
 namespace glossa {
 
 struct ForceLaw {
-  double c = 40.0;              ///< 1/m, MN firing gradient (II.C.2)
-  bool force_velocity = true;   ///< eq. 5 in force
-  double f1 = 0.7109;           ///< eq. 5
+  double c = 40.0;             ///< 1/m, MN firing gradient (II.C.2)
+  bool force_velocity = true;  ///< eq. 5 in force
+  double f1 = 0.7109;          ///< eq. 5
   double f2 = 0.712;
   double f3 = 0.43;
-  double f4 = 0.4444;           ///< s
-  double f5 = 0.0329;           ///< s
+  double f4 = 0.4444;  ///< s
+  double f5 = 0.0329;  ///< s
 
   /// Activation (m) beyond which the force no longer grows.
   [[nodiscard]] double saturation_activation() const { return std::log(2.0) / c; }

@@ -28,7 +28,8 @@ struct Macrofibres {
   std::vector<double> length_factor;
   std::vector<double> rest_length;  ///< m, length factor included
   Rows<Stiffened> stiffened;
-  std::vector<double> segment_rest;  ///< m, for each entry of nodes.values the segment that starts there; empty: not soft
+  std::vector<double>
+      segment_rest;  ///< m, for each entry of nodes.values the segment that starts there; empty: not soft
 
   [[nodiscard]] Index count() const { return nodes.size(); }
 };
@@ -44,9 +45,10 @@ void fibre_gradient(const Macrofibres& fibres, Index f, const NodeField& positio
 
 /// One segment of a fibre at some positions.
 struct Segment {
-  Vector3 direction;  ///< derivative of the softened length with respect to the far end; a unit vector but for softening
-  double length;      ///< m, softened
-  double divisor;     ///< m, sqrt(d^2 + softening^2)
+  Vector3
+      direction;   ///< derivative of the softened length with respect to the far end; a unit vector but for softening
+  double length;   ///< m, softened
+  double divisor;  ///< m, sqrt(d^2 + softening^2)
 
   /// Second derivative of the length with respect to the far end, 1/m.
   [[nodiscard]] Matrix3 curvature() const {

@@ -7,8 +7,8 @@
 namespace glossa {
 
 struct Reflex {
-  double delay = 0.017;          ///< d, s (II.C.1, after Ito et al. 2004); 0: no delay
-  double velocity_gain = 0.01;   ///< mu, s
+  double delay = 0.017;         ///< d, s (II.C.1, after Ito et al. 2004); 0: no delay
+  double velocity_gain = 0.01;  ///< mu, s
 
   /// Activation (m) from the delayed length (m), the motor command (m) and the delayed rate (m/s).
   [[nodiscard]] double activation(double length, double lambda, double rate) const {

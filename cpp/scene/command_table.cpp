@@ -37,7 +37,8 @@ std::vector<double> CommandTable::at(double time, bool after) const {
   }
   const double x = (time - times_[right - 1]) / (times_[right] - times_[right - 1]);
   for (std::size_t m = 0; m < muscles_; ++m)
-    result[m] = (1.0 - x) * row(right - 1)[static_cast<std::ptrdiff_t>(m)] + x * row(right)[static_cast<std::ptrdiff_t>(m)];
+    result[m] =
+        (1.0 - x) * row(right - 1)[static_cast<std::ptrdiff_t>(m)] + x * row(right)[static_cast<std::ptrdiff_t>(m)];
   return result;
 }
 

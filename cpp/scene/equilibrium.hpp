@@ -1,11 +1,11 @@
 // Static equilibrium of a scene under motor commands, loads and prescribed displacements.
 //
 // With the stiffening factors of eq. 1 held, every static effect has a potential. Each Newton iteration minimises that
-// potential (Armijo line search on the energy, no inverted element), then lets the factors follow the activations; their
-// influence is a weak contraction (spectral radius 0.02 .. 0.2). Near the solution the factor is frozen and an Anderson
-// quasi-Newton iteration on the full residual, factors following, finishes: it costs one residual and one solve where a
-// Newton iteration costs a factorisation. If this does not converge, the factors are held until the energy is minimised
-// and updated in an outer loop.
+// potential (Armijo line search on the energy, no inverted element), then lets the factors follow the activations;
+// their influence is a weak contraction (spectral radius 0.02 .. 0.2). Near the solution the factor is frozen and an
+// Anderson quasi-Newton iteration on the full residual, factors following, finishes: it costs one residual and one
+// solve where a Newton iteration costs a factorisation. If this does not converge, the factors are held until the
+// energy is minimised and updated in an outer loop.
 #pragma once
 
 #include "scene/system.hpp"
@@ -13,21 +13,21 @@
 namespace glossa {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-8;      ///< residual over force scale
-  int max_iterations = 150;     ///< Newton iterations
-  double max_step = 0.055;      ///< largest displacement component of one iteration over the extent of the body
-  bool quasi_newton = true;     ///< finish with frozen factors
+  double tolerance = 1e-8;   ///< residual over force scale
+  int max_iterations = 150;  ///< Newton iterations
+  double max_step = 0.055;   ///< largest displacement component of one iteration over the extent of the body
+  bool quasi_newton = true;  ///< finish with frozen factors
   Interrupt interrupt;
 };
 
 struct Equilibrium {
   Report report;
-  NodeField positions;              ///< m
-  std::vector<double> pressure;     ///< Pa, per element
-  std::vector<double> stiffening;   ///< s_e per element
-  std::vector<double> activation;   ///< m, per fibre of the scene (0 where not commanded)
-  std::vector<double> tension;      ///< N, per fibre of the scene
-  NodeField force;                  ///< N, sum of all effects: the support's force at held components
+  NodeField positions;             ///< m
+  std::vector<double> pressure;    ///< Pa, per element
+  std::vector<double> stiffening;  ///< s_e per element
+  std::vector<double> activation;  ///< m, per fibre of the scene (0 where not commanded)
+  std::vector<double> tension;     ///< N, per fibre of the scene
+  NodeField force;                 ///< N, sum of all effects: the support's force at held components
 };
 
 /// Solves from `start` (positions of all nodes; element pressures may be empty). Held components of `start` that

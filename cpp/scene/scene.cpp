@@ -59,8 +59,7 @@ Scene::Scene(HexMesh mesh, SceneOptions options) : mesh_(std::move(mesh)), optio
     not_negative(options_.reflex->delay, "reflex: delay");
     not_negative(options_.reflex->velocity_gain, "reflex: velocity gain");
   }
-  if (options_.gravity)
-    require(options_.gravity->allFinite(), "gravity: its components must be finite");
+  if (options_.gravity) require(options_.gravity->allFinite(), "gravity: its components must be finite");
   require(options_.threads >= 1 && options_.threads <= 256,
           "threads must lie between 1 and 256, it is " + std::to_string(options_.threads));
   if (options_.free.empty()) options_.free.assign(mesh_.nodes().size(), 1);

@@ -18,14 +18,14 @@ struct SceneOptions {
   Yeoh tissue{1037.0, 486.0, 1.0369e6};  ///< Pa
   double density = 1040.0;               ///< kg/m3
   ElementKind element = ElementKind::q1p0;
-  Macrofibres fibres;                    ///< muscle indices 0 .. muscle_count - 1
+  Macrofibres fibres;  ///< muscle indices 0 .. muscle_count - 1
   Index muscle_count = 0;
   ForceLaw force_law;
-  bool stiffening = true;                ///< eq. 1
+  bool stiffening = true;                   ///< eq. 1
   std::optional<Reflex> reflex = Reflex{};  ///< none: activation follows the length at once, without rate
   RayleighDamping damping;
-  std::optional<Vector3> gravity;        ///< m/s2
-  FreeMask free;                         ///< 3 per node; 0 where the scene holds the component for good
+  std::optional<Vector3> gravity;  ///< m/s2
+  FreeMask free;                   ///< 3 per node; 0 where the scene holds the component for good
   int threads = 1;
 };
 

@@ -11,16 +11,18 @@ namespace glossa {
 namespace {
 
 constexpr double smallest_part = 1.0 / 64.0;  // of a step, before it is given up
-constexpr double hopeless_share = 0.3;  // of the extent of the body: an increment beyond ends an iteration
-constexpr int echoes = 2;  // how often a corner of the commands is honoured again after one delay
+constexpr double hopeless_share = 0.3;        // of the extent of the body: an increment beyond ends an iteration
+constexpr int echoes = 2;                     // how often a corner of the commands is honoured again after one delay
 
 // Times closer than this (s) are one: sums of steps differ from corners of the commands by rounding.
-double same_time(double time) { return 1e-9 * (1.0 + std::abs(time)); }
+double same_time(double time) {
+  return 1e-9 * (1.0 + std::abs(time));
+}
 
 }  // namespace
 
-Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options, const NodeField& positions,
-                       const std::vector<double>& pressure, double time)
+Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options,
+                       const NodeField& positions, const std::vector<double>& pressure, double time)
     : shared_(std::move(system)), system_(*shared_), commands_(std::move(commands)), options_(options) {
   require(std::isfinite(options_.max_step) && options_.max_step > 0.0,
           "time step must be positive and finite, it is " + std::to_string(options_.max_step) + " s");

@@ -29,19 +29,19 @@ struct FactorPoint {
 /// Everything that the future of a movement depends on. A value: copies are independent, and going back to one repeats
 /// the movement to the last bit.
 struct State {
-  double time = 0.0;                ///< s
-  NodeField positions;              ///< m
-  NodeField velocities;             ///< m/s
-  NodeField momentum;               ///< w = M v + beta f, N s
-  NodeField momentum_rate;          ///< w' (trapezoidal rule only), N
-  std::vector<double> pressure;     ///< Pa, padded
-  std::vector<double> stiffening;   ///< s_e, padded
-  std::vector<double> activation;   ///< m, per fibre of the system
-  std::vector<double> tension;      ///< N
+  double time = 0.0;               ///< s
+  NodeField positions;             ///< m
+  NodeField velocities;            ///< m/s
+  NodeField momentum;              ///< w = M v + beta f, N s
+  NodeField momentum_rate;         ///< w' (trapezoidal rule only), N
+  std::vector<double> pressure;    ///< Pa, padded
+  std::vector<double> stiffening;  ///< s_e, padded
+  std::vector<double> activation;  ///< m, per fibre of the system
+  std::vector<double> tension;     ///< N
   DelayHistory history;
-  double last_step = 0.0;           ///< s; 0 before the first step and after a jump of the commands
+  double last_step = 0.0;  ///< s; 0 before the first step and after a jump of the commands
   NodeField last_positions, last_velocities, last_momentum;
-  double next_step = 0.0;           ///< s, proposed by the error control
+  double next_step = 0.0;                     ///< s, proposed by the error control
   std::shared_ptr<const FactorPoint> factor;  ///< null: the next stage makes one
   std::vector<double> last_stiffening;
 };
@@ -56,8 +56,8 @@ struct Recording {
 class Simulation {
  public:
   /// Starts at rest at `time` in the given positions (pressures may be empty).
-  Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options, const NodeField& positions,
-             const std::vector<double>& pressure, double time);
+  Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options,
+             const NodeField& positions, const std::vector<double>& pressure, double time);
 
   /// Moves on to `time`, in as many steps as the options and the delay ask for. On failure or interruption the state
   /// is that of the last accepted step and the report says why.
@@ -119,8 +119,8 @@ class Simulation {
   double residual_ = 0.0;
   double scale_ = 0.0;
   std::shared_ptr<const FactorPoint> factor_;  // in use; null: none
-  long factor_stamp_ = -1;  // of the system when this simulation factorised last
-  double largest_increment_ = 0.0;  // m
+  long factor_stamp_ = -1;                     // of the system when this simulation factorised last
+  double largest_increment_ = 0.0;             // m
   std::vector<double> delayed_lengths_, delayed_rates_;
 };
 

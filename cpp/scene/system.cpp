@@ -143,7 +143,8 @@ bool System::factorise(Report& report) {
   const LowerColumns& columns = matrix_.columns(scene_.options().threads);
   double mean = 0.0;
   const std::size_t n = columns.column_start.size() - 1;
-  for (std::size_t j = 0; j < n; ++j) mean += std::abs(columns.value[static_cast<std::size_t>(columns.column_start[j])]);
+  for (std::size_t j = 0; j < n; ++j)
+    mean += std::abs(columns.value[static_cast<std::size_t>(columns.column_start[j])]);
   mean /= static_cast<double>(n);
   if (!std::isfinite(mean)) return false;
   double shift = 5e-3 * mean;
@@ -188,7 +189,8 @@ void System::add_free(const Vector& increment, double step, NodeField& field) co
 
 double System::norm_free(const NodeField& field) const {
   double sum = 0.0;
-  for (const Index c : matrix_.component_of_unknown()) sum += field[static_cast<std::size_t>(c)] * field[static_cast<std::size_t>(c)];
+  for (const Index c : matrix_.component_of_unknown())
+    sum += field[static_cast<std::size_t>(c)] * field[static_cast<std::size_t>(c)];
   return std::sqrt(sum);
 }
 
@@ -199,9 +201,8 @@ void require_supported(const HexMesh& mesh, const FreeMask& free) {
   for (Index n = 0; n < mesh.node_count(); ++n) {
     if (mesh.outside(n)) continue;
     const Vector3 r = (at(mesh.nodes(), n) - centre) / 0.01;
-    const std::array<std::array<double, 6>, 3> modes{{{1, 0, 0, 0, r.z(), -r.y()},
-                                                      {0, 1, 0, -r.z(), 0, r.x()},
-                                                      {0, 0, 1, r.y(), -r.x(), 0}}};
+    const std::array<std::array<double, 6>, 3> modes{
+        {{1, 0, 0, 0, r.z(), -r.y()}, {0, 1, 0, -r.z(), 0, r.x()}, {0, 0, 1, r.y(), -r.x(), 0}}};
     for (std::size_t i = 0; i < 3; ++i)
       if (!free[3 * static_cast<std::size_t>(n) + i]) rows.push_back(modes[i]);
   }

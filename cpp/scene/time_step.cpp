@@ -9,8 +9,8 @@ namespace {
 
 constexpr int quasi_newton_limit = 24;
 constexpr int newton_limit = 20;
-constexpr int worth_renewing = 9;          // iterations of a stage after which the factor is renewed
-constexpr double least_scale = 0.1;         // N, force to which the tolerance refers at least
+constexpr int worth_renewing = 9;    // iterations of a stage after which the factor is renewed
+constexpr double least_scale = 0.1;  // N, force to which the tolerance refers at least
 
 }  // namespace
 
@@ -46,8 +46,7 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
         stage.base_stiffening[e] += weight * (factors[e] - state_.stiffening[e]);
     }
     NodeField guess = trial.velocities;
-    for (std::size_t k = 0; k < guess.size(); ++k)
-      guess[k] = stage.base_positions[k] + stage.hg * guess[k];
+    for (std::size_t k = 0; k < guess.size(); ++k) guess[k] = stage.base_positions[k] + stage.hg * guess[k];
     trial = stage_trial(stage);
     for (std::size_t k = 0; k < guess.size(); ++k)
       if (system_.free()[k]) trial.positions[k] = guess[k];

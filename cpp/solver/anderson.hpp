@@ -8,9 +8,9 @@
 namespace glossa {
 
 /// Solves G(u) = 0 from iterates of the preconditioned fixed point u <- u + F, F = -P^(-1) G, with P symmetric
-/// positive definite (a factor from an earlier state). The step is u += F - (dU + dF) gamma with gamma the least-squares
-/// fit of F by the last differences dF in the metric of P, for which (dF' dG) gamma = dF' G needs no product with P
-/// (Anderson 1965; Fang & Saad 2009; metric of the factor: see docs).
+/// positive definite (a factor from an earlier state). The step is u += F - (dU + dF) gamma with gamma the
+/// least-squares fit of F by the last differences dF in the metric of P, for which (dF' dG) gamma = dF' G needs no
+/// product with P (Anderson 1965; Fang & Saad 2009).
 class Anderson {
  public:
   explicit Anderson(std::size_t memory = 8) : memory_(memory) {}

@@ -25,8 +25,12 @@ namespace {
 class SingleThread {
  public:
 #ifdef _OPENMP
-  SingleThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~SingleThread() { omp_set_max_active_levels(levels_); }
+  SingleThread() : levels_(omp_get_max_active_levels()) {
+    omp_set_max_active_levels(0);
+  }
+  ~SingleThread() {
+    omp_set_max_active_levels(levels_);
+  }
   SingleThread(const SingleThread&) = delete;
   SingleThread& operator=(const SingleThread&) = delete;
 
@@ -161,8 +165,8 @@ void Cholesky::solve(Vector& x) const {
   b.x = x.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &b, nullptr, &impl_->solution, nullptr, &impl_->work_y,
-                      &impl_->work_e, &common))
+  if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &b, nullptr, &impl_->solution, nullptr, &impl_->work_y, &impl_->work_e,
+                      &common))
     fail(common, "triangular solve");
   const auto* from = static_cast<const double*>(impl_->solution->x);
   std::copy(from, from + x.size(), x.data());
@@ -179,7 +183,11 @@ void Cholesky::solve_roughly(Vector& x) {
   impl_->single.solve(x);
 }
 
-double Cholesky::factor_entries() const { return impl_->entries; }
-double Cholesky::factor_flops() const { return impl_->flops; }
+double Cholesky::factor_entries() const {
+  return impl_->entries;
+}
+double Cholesky::factor_flops() const {
+  return impl_->flops;
+}
 
 }  // namespace glossa

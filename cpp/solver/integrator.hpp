@@ -10,8 +10,8 @@
 //
 // sdirk2 (default): two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), stiffly accurate, L-stable, self-starting.
 // bdf2: one stage, variable step, started by sdirk2. backward_euler: first order, for rescue and comparison.
-// trapezoidal: energy conserving and not damped at high frequency; for comparison with other codes only: it rings, and is
-// first order with muscles.
+// trapezoidal: energy conserving and not damped at high frequency; for comparison with other codes only: it rings, and
+// is first order with muscles.
 #pragma once
 
 #include <string>
@@ -28,10 +28,14 @@ inline constexpr double sdirk2_gamma = 0.29289321881345247559915563789515;
 /// comparison with true local errors: 1/4 for sdirk2 (whose defect overstates), 1.25 for bdf2.
 [[nodiscard]] constexpr double defect_share(Integrator method) {
   switch (method) {
-    case Integrator::sdirk2: return 0.25;
-    case Integrator::bdf2: return 1.25;
-    case Integrator::backward_euler: return 1.0;
-    case Integrator::trapezoidal: return 0.25;
+    case Integrator::sdirk2:
+      return 0.25;
+    case Integrator::bdf2:
+      return 1.25;
+    case Integrator::backward_euler:
+      return 1.0;
+    case Integrator::trapezoidal:
+      return 0.25;
   }
   return 1.0;
 }

@@ -20,12 +20,18 @@ enum class Status {
 
 [[nodiscard]] constexpr const char* status_name(Status status) {
   switch (status) {
-    case Status::converged: return "converged";
-    case Status::iteration_limit: return "iteration_limit";
-    case Status::stalled: return "stalled";
-    case Status::inverted: return "inverted";
-    case Status::indefinite: return "indefinite";
-    case Status::interrupted: return "interrupted";
+    case Status::converged:
+      return "converged";
+    case Status::iteration_limit:
+      return "iteration_limit";
+    case Status::stalled:
+      return "stalled";
+    case Status::inverted:
+      return "inverted";
+    case Status::indefinite:
+      return "indefinite";
+    case Status::interrupted:
+      return "interrupted";
   }
   return "unknown";
 }
@@ -33,20 +39,20 @@ enum class Status {
 /// Evidence that comes with every result.
 struct Report {
   Status status = Status::iteration_limit;
-  int iterations = 0;            ///< Newton iterations (statics) or stage solves (dynamics)
-  int quasi_newton = 0;          ///< residual + solve pairs with a frozen factor
-  int residuals = 0;             ///< residual evaluations
+  int iterations = 0;    ///< Newton iterations (statics) or stage solves (dynamics)
+  int quasi_newton = 0;  ///< residual + solve pairs with a frozen factor
+  int residuals = 0;     ///< residual evaluations
   int factorisations = 0;
-  int indefinite = 0;            ///< tangents that needed a cure
-  int line_search = 0;           ///< steps cut back
-  int steps = 0;                 ///< accepted time steps
-  int rejected = 0;              ///< time steps rejected for accuracy
-  int rescued = 0;               ///< time steps that needed a fresh factor, a shorter step or backward Euler
-  double residual = 0.0;         ///< N, 2-norm over the free components
-  double force_scale = 0.0;      ///< N, to which the tolerance refers
-  double least_jacobian = 1.0;   ///< smallest J at any Gauss point of the result
-  Index worst_element = -1;      ///< where that is
-  double error_estimate = 0.0;   ///< m, largest estimated local error of the accepted time steps
+  int indefinite = 0;           ///< tangents that needed a cure
+  int line_search = 0;          ///< steps cut back
+  int steps = 0;                ///< accepted time steps
+  int rejected = 0;             ///< time steps rejected for accuracy
+  int rescued = 0;              ///< time steps that needed a fresh factor, a shorter step or backward Euler
+  double residual = 0.0;        ///< N, 2-norm over the free components
+  double force_scale = 0.0;     ///< N, to which the tolerance refers
+  double least_jacobian = 1.0;  ///< smallest J at any Gauss point of the result
+  Index worst_element = -1;     ///< where that is
+  double error_estimate = 0.0;  ///< m, largest estimated local error of the accepted time steps
   std::vector<double> residuals_by_iteration;
   Seconds seconds;
 };

@@ -9,7 +9,9 @@ namespace {
 
 constexpr Index width = 8;
 
-Index padded(Index n) { return (n + width - 1) / width * width; }
+Index padded(Index n) {
+  return (n + width - 1) / width * width;
+}
 
 }  // namespace
 
@@ -42,7 +44,8 @@ void SingleFactor::copy(std::size_t count, const Index* super, const Index* row_
     const Index lead = s.columns + s.below;
     for (Index j = 0; j < s.columns; ++j) {
       const double* from = values + value_start[k] + static_cast<std::ptrdiff_t>(j) * lead;
-      float* block = values_.data() + s.diagonal + static_cast<std::size_t>(j) * static_cast<std::size_t>(s.padded_columns);
+      float* block =
+          values_.data() + s.diagonal + static_cast<std::size_t>(j) * static_cast<std::size_t>(s.padded_columns);
       float* off = values_.data() + s.off + static_cast<std::size_t>(j) * static_cast<std::size_t>(s.padded_below);
       block[j] = static_cast<float>(1.0 / from[j]);
       for (Index i = j + 1; i < s.columns; ++i) block[i] = static_cast<float>(from[i]);
@@ -57,8 +60,8 @@ void SingleFactor::solve(Vector& x) {
   if (!(size > 0.0)) return;
   x_.resize(static_cast<std::size_t>(x.size()));
   for (std::size_t k = 0; k < x_.size(); ++k) x_[k] = static_cast<float>(x(static_cast<Eigen::Index>(k)) / size);
-  const SingleFactorView view{supernodes_.data(), supernodes_.size(), rows_.data(), values_.data(), work_.data(),
-                              work_.data() + work_.size() / 2};
+  const SingleFactorView view{supernodes_.data(), supernodes_.size(), rows_.data(),
+                              values_.data(),     work_.data(),       work_.data() + work_.size() / 2};
 #ifdef GLOSSA_HAS_AVX2_KERNEL
   if (has_avx2())
     avx2::solve_single(view, x_.data());

@@ -13,8 +13,12 @@ typedef float Eight __attribute__((vector_size(32)));
 typedef float LooseEight __attribute__((vector_size(32), aligned(4), may_alias));
 constexpr int width = 8;
 
-GLOSSA_ALWAYS_INLINE Eight load(const float* from) { return *reinterpret_cast<const LooseEight*>(from); }
-GLOSSA_ALWAYS_INLINE void store(float* to, Eight value) { *reinterpret_cast<LooseEight*>(to) = value; }
+GLOSSA_ALWAYS_INLINE Eight load(const float* from) {
+  return *reinterpret_cast<const LooseEight*>(from);
+}
+GLOSSA_ALWAYS_INLINE void store(float* to, Eight value) {
+  *reinterpret_cast<LooseEight*>(to) = value;
+}
 GLOSSA_ALWAYS_INLINE float sum(Eight v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }

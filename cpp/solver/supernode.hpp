@@ -9,7 +9,7 @@ namespace glossa {
 
 /// Consecutive columns of the factor with the same rows below them. Columns are padded with zeros to packs of eight.
 struct Supernode {
-  Index first;           ///< first column
+  Index first;  ///< first column
   Index columns;
   Index below;           ///< rows below the diagonal block
   Index padded_columns;  ///< leading dimension of the diagonal block

@@ -38,7 +38,9 @@ Second isochoric_density(const Yeoh& law, const std::array<Second, 9>& F) {
   return law.isochoric(i1);
 }
 
-Second volumetric_density(const Yeoh& law, const std::array<Second, 9>& F) { return law.volumetric(determinant(F)); }
+Second volumetric_density(const Yeoh& law, const std::array<Second, 9>& F) {
+  return law.volumetric(determinant(F));
+}
 
 /// Energy, stress and tangent by automatic differentiation.
 YeohPoint differentiated(const Second& W) {

@@ -24,10 +24,14 @@ SimulationOptions accurate(double step, Integrator integrator = Integrator::sdir
   return options;
 }
 
-CommandTable ramp() { return {{0.0, 0.02}, {1.0, 1.0, 1.0, 0.75, 0.8, 0.85}, 3}; }
+CommandTable ramp() {
+  return {{0.0, 0.02}, {1.0, 1.0, 1.0, 0.75, 0.8, 0.85}, 3};
+}
 
 /// Commands without a corner inside the movement: a two-step method needs a smooth past.
-CommandTable long_ramp() { return {{0.0, 1.0}, {1.0, 1.0, 1.0, 0.2, 0.3, 0.4}, 3}; }
+CommandTable long_ramp() {
+  return {{0.0, 1.0}, {1.0, 1.0, 1.0, 0.2, 0.3, 0.4}, 3};
+}
 
 /// Every number of a state, what its history still answers included.
 std::vector<double> content(const State& s) {
