@@ -21,14 +21,17 @@ def scene() -> Scene:
 
 def interrupted(work: Callable[[], Any], after: float) -> SolveInterrupted:
     """Ctrl-C while ``work`` runs."""
-    signal.setitimer(signal.ITIMER_REAL, after)
+    # A background job of a shell starts with SIGINT ignored: Python would then never see it.
+    interrupt = signal.signal(signal.SIGINT, signal.default_int_handler)
     previous = signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+    signal.setitimer(signal.ITIMER_REAL, after)
     try:
         with pytest.raises(SolveInterrupted) as caught:
             work()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, previous)
+        signal.signal(signal.SIGINT, interrupt)
     return caught.value
 
 
