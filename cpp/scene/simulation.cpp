@@ -30,6 +30,10 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
           "error tolerance must be finite and not negative");
   require(std::isfinite(options_.tolerance) && options_.tolerance > 0.0, "tolerance must be positive and finite");
   require(std::isfinite(time), "start time must be finite");
+  for (const double corner : commands_.corners())
+    for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo)
+      breakpoints_.push_back(corner + (echo > 0 ? echo * system_.scene().options().reflex->delay : 0.0));
+  std::sort(breakpoints_.begin(), breakpoints_.end());
   largest_increment_ = hopeless_share * system_.scene().mesh().extent();
   require(positions.size() == system_.scene().mesh().nodes().size() &&
               pressure.size() <= system_.elasticity().padded_count(),
@@ -76,27 +80,14 @@ double Simulation::longest_step() const {
 }
 
 double Simulation::next_breakpoint(double until) const {
-  const double delay = delayed() ? system_.scene().options().reflex->delay : 0.0;
   const double beyond = state_.time + same_time(state_.time);
-  double next = until + same_time(until);
-  bool found = false;
-  for (const double corner : commands_.corners())
-    for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo) {
-      const double at = corner + echo * delay;
-      if (at > beyond && at <= next) {
-        next = at;
-        found = true;
-      }
-    }
-  return found ? next : until;
+  const auto next = std::upper_bound(breakpoints_.begin(), breakpoints_.end(), beyond);
+  return next != breakpoints_.end() && *next <= until + same_time(until) ? *next : until;
 }
 
 bool Simulation::at_breakpoint() const {
-  const double delay = delayed() ? system_.scene().options().reflex->delay : 0.0;
-  for (const double corner : commands_.corners())
-    for (int echo = 0; echo <= (delayed() ? echoes : 0); ++echo)
-      if (std::abs(corner + echo * delay - state_.time) <= same_time(state_.time)) return true;
-  return false;
+  return std::any_of(breakpoints_.begin(), breakpoints_.end(),
+                     [&](double at) { return std::abs(at - state_.time) <= same_time(state_.time); });
 }
 
 double Simulation::proposed_step(double until) const {

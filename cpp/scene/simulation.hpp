@@ -111,6 +111,7 @@ class Simulation {
   std::shared_ptr<System> shared_;
   System& system_;
   CommandTable commands_;
+  std::vector<double> breakpoints_;  // s, ascending: corners of the commands and their echoes
   SimulationOptions options_;
   State state_;
   Report report_;

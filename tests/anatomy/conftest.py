@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from glossa.anatomy import Muscle, Speaker
-
-PB_FOLDER = Path(__file__).resolve().parents[2].parent / "shared" / "reference" / "pb"
 
 
 def block_parts(nx: int, ny: int, nz: int) -> tuple[np.ndarray, np.ndarray, Callable[..., int]]:
@@ -51,15 +48,3 @@ def block() -> Speaker:
         contours={"top": [node(i, 1, 2) for i in range(3)]},
         name="block",
     )
-
-
-@pytest.fixture(scope="session")
-def reference() -> Speaker:
-    return Speaker.reference()
-
-
-@pytest.fixture(scope="session")
-def pb() -> Speaker:
-    if not PB_FOLDER.is_dir():
-        pytest.skip(f"PB data not found at {PB_FOLDER}")
-    return Speaker.load(PB_FOLDER)

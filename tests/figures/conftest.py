@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from glossa import VOWELS, Movement, Posture, Ramp, Scene, Speaker
-
-PB_FOLDER = Path(__file__).resolve().parents[2].parent / "shared" / "reference" / "pb"
 
 
 @pytest.fixture(scope="session")
@@ -24,10 +20,3 @@ def postures(scene: Scene) -> dict[str, Posture]:
 @pytest.fixture(scope="session")
 def movement(scene: Scene) -> Movement:
     return scene.simulate(Ramp(VOWELS["i"]), until=0.02, accuracy="draft")
-
-
-@pytest.fixture(scope="session")
-def pb() -> Speaker:
-    if not PB_FOLDER.is_dir():
-        pytest.skip(f"no PB data at {PB_FOLDER}")
-    return Speaker.load(PB_FOLDER)
