@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from glossa import Muscle, Speaker, Yeoh
+from glossa import Hyoid, Muscle, Posture, Speaker, Spring, Wall, Yeoh
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -98,6 +98,103 @@ def _muscle(name: str, capacity: float, hexahedra: IntArray, number: NDArray[np.
     inside = np.isin(edges, np.concatenate(fibres))
     touched = np.any(np.all(inside, axis=2), axis=1)
     return Muscle(np.flatnonzero(touched), fibres, capacity)
+
+
+def furnished(speaker: Speaker, *, walls: Mapping[str, Wall] | None = None, hyoid: Hyoid | None = None) -> Speaker:
+    """The same body with other walls and another hyoid."""
+    return Speaker(
+        speaker.nodes,
+        speaker.hexahedra,
+        muscles=dict(speaker.muscles),
+        node_sets=dict(speaker.node_sets),
+        walls=walls or {},
+        hyoid=hyoid,
+        name=speaker.name,
+    )
+
+
+def sheet(
+    height: Callable[[FloatArray, FloatArray], FloatArray | float],
+    low: Sequence[float],
+    high: Sequence[float],
+    cells: Sequence[int] = (1, 1),
+    *,
+    facing: int = 1,
+) -> Wall:
+    """The open wall z = height(x, y) over the rectangle from ``low`` to ``high`` (x, y in m), in quadrilaterals.
+
+    ``facing``: 1 for a floor, which is touched from above; -1 for a ceiling.
+    """
+    axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, cells, strict=True)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    z = np.broadcast_to(np.asarray(height(x, y), dtype=float), x.shape)
+    number = np.arange(x.size).reshape(x.shape)
+    turn = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]][::facing]
+    faces = np.stack([corner.ravel() for corner in turn], axis=1)
+    return Wall(np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), faces)
+
+
+def masses(speaker: Speaker, density: float) -> FloatArray:
+    """(n,) kg: an eighth of each hexahedron at each of its corners, exact in sum and centre for cuboids."""
+    result = np.zeros(len(speaker.nodes))
+    np.add.at(result, speaker.hexahedra, (density * speaker.element_volumes / 8.0)[:, None])
+    return result
+
+
+def wall_force(posture: Posture, wall: str | None = None) -> FloatArray:
+    """(3,) N, force of a wall, or of all, on the body."""
+    assert posture.contact is not None
+    forces = posture.contact.forces
+    chosen = forces.sum() if wall is None else forces.loc[wall]
+    return np.asarray(chosen.to_numpy(), dtype=np.float64)
+
+
+def plate(height: float, low: Sequence[float], high: Sequence[float], *, facing: int) -> Wall:
+    """A horizontal rectangle (see :func:`sheet`)."""
+    return sheet(lambda x, _: np.full_like(x, height), low, high, facing=facing)
+
+
+def hyoid_block(
+    stiffness: float = 220.0,
+    *,
+    mass: float = 0.002,
+    muscles: Mapping[str, float] | None = None,
+    between_walls: bool = False,
+) -> Speaker:
+    """A block, symmetric about y = 0, whose face x = 0 hangs on a hyoid with six springs (N/m) on each side.
+
+    ``between_walls``: with curved walls "roof" and "floor" 0.3 mm from it.
+    """
+    body = block((4, 4, 2), (0.04, 0.02, 0.02), centred=True, muscles=muscles)
+    centre = np.array([0.0, 0.0, 0.01])
+    directions = (
+        (0.0, 1.0, 0.3),
+        (-1.0, 0.5, 0.0),
+        (0.0, 0.3, -1.0),
+        (0.2, 0.4, 1.0),
+        (-0.5, 0.6, -0.6),
+        (0.7, 0.7, 0.1),
+    )
+    springs = []
+    for side in (1.0, -1.0):
+        for i, (x, y, z) in enumerate(directions):
+            start = centre + np.array([0.002 * (i - 2), side * (0.004 + 0.001 * i), 0.001 * (i % 3 - 1)])
+            along = np.array([x, side * y, z]) / np.linalg.norm((x, y, z))
+            springs.append(Spring(start, start + 0.03 * along, stiffness))
+    walls = {}
+    if between_walls:
+        low, high = (-0.012, -0.022), (0.052, 0.022)
+        walls["roof"] = sheet(lambda x, y: 0.0203 + 3.0 * (x - 0.01) ** 2 + 6.0 * y**2, low, high, (40, 40), facing=-1)
+        walls["floor"] = sheet(lambda _, y: -0.0003 - 2.0 * y**2, low, high, (1, 40))
+    return Speaker(
+        body.nodes,
+        body.hexahedra,
+        muscles=dict(body.muscles),
+        node_sets={**body.node_sets, "hyoid": body.node_sets["left"]},
+        walls=walls,
+        hyoid=Hyoid(None, mass, centre, tuple(springs)),
+        name="block on a hyoid",
+    )
 
 
 def cook_membrane(n: int) -> Speaker:

@@ -120,16 +120,54 @@ def test_not_a_speaker() -> None:
         Scene("reference")  # type: ignore[arg-type]
 
 
-def test_what_this_version_lacks(reference: Speaker, pb: Speaker) -> None:
-    with pytest.raises(InputError, match=r"contact=True: this version computes no wall contact; use contact=False"):
-        Scene(pb, contact=True)
-    with pytest.raises(InputError, match=r"hyoid='mobile': .*this version moves none; use hyoid='fixed'"):
-        Scene(pb, hyoid="mobile")
-    with pytest.raises(InputError, match=r"hyoid='mobile': this speaker has no hyoid"):
-        Scene(reference, hyoid="mobile")
-    silent = Scene(pb, contact=False, hyoid="fixed")
-    assert silent.notes == ()
-    assert [note.split(":")[0] for note in Scene(pb).notes] == ["no wall contact", "the hyoid is fixed"]
+def test_notes_say_what_a_speaker_lacks(body: Speaker, reference: Speaker, pb: Speaker) -> None:
+    for speaker in (reference, pb):
+        everything = Scene(speaker)
+        assert everything.notes == ()
+        assert {"contact", "friction", "hyoid"} < set(everything.effects)
+        assert everything.fixed == ("jaw",)
+        bare = Scene(speaker, contact=False, hyoid="fixed")
+        assert bare.notes == ()
+        assert not {"contact", "friction", "hyoid"} & set(bare.effects)
+        assert bare.fixed == ("jaw", "hyoid")
+        smooth = Scene(speaker, friction=None)
+        assert "contact" in smooth.effects
+        assert "friction" not in smooth.effects
+    assert Scene(body, fixed=["left"]).notes == ("no wall contact: the speaker has no walls",)
+    boneless = Speaker(
+        pb.nodes,
+        pb.hexahedra,
+        muscles=dict(pb.muscles),
+        node_sets=dict(pb.node_sets),
+        walls=dict(pb.walls),
+        contact_faces=dict(pb.contact_faces),
+    )
+    scene = Scene(boneless)
+    assert [note.split(":")[0] for note in scene.notes] == ["the hyoid is fixed"]
+    assert scene.fixed == ("jaw", "hyoid")
+    with pytest.raises(InputError, match=r"hyoid='mobile': this speaker has no hyoid bone; use hyoid='fixed'"):
+        Scene(boneless, hyoid="mobile")
+
+
+def test_a_mobile_hyoid_cannot_be_held(pb: Speaker) -> None:
+    with pytest.raises(InputError, match=r"node \d+ belongs to the hyoid and to the fixed set 'hyoid'"):
+        Scene(pb, hyoid="mobile", fixed=["jaw", "hyoid"])
+    with pytest.raises(InputError, match="a node of the mobile hyoid cannot be prescribed; use hyoid='fixed'"):
+        Scene(pb, mirror=True).equilibrate(prescribed={"hyoid": (0.0, 0.0, 0.001)})
+
+
+def test_walls_that_move(reference: Speaker) -> None:
+    up = {"wall:hard_palate": (0.0, 0.0, 0.001)}
+    with pytest.raises(InputError, match="wall 'hard_palate' moves, but this scene has no contact"):
+        Scene(reference, contact=False).equilibrate(prescribed=up)
+    scene = Scene(reference, mirror=True)
+    with pytest.raises(InputError, match="wall 'hard_palate' cannot move sideways"):
+        scene.equilibrate(prescribed={"wall:hard_palate": (0.0, 0.001, 0.0)})
+    with pytest.raises(InputError, match="no wall 'nose'"):
+        scene.equilibrate(prescribed={"wall:nose": (0.0, 0.0, 0.001)})
+    with pytest.raises(InputError, match="no wall 'nose'"):
+        assert scene.equilibrate().contact is not None
+        scene.equilibrate().contact.at_wall("nose")  # type: ignore[union-attr]
 
 
 # Commands

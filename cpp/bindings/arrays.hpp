@@ -43,6 +43,22 @@ inline py::array_t<double> to_array(std::vector<double> values, py::ssize_t colu
   return py::array_t<double>({size / columns, columns}, kept->data(), owner);
 }
 
+/// Vectors one after another.
+inline std::vector<double> flat(const std::vector<Vector3>& vectors) {
+  std::vector<double> values;
+  for (const Vector3& v : vectors) values.insert(values.end(), v.data(), v.data() + 3);
+  return values;
+}
+
+/// A finite (n, 3) array as vectors; None gives none.
+inline std::vector<Vector3> to_vectors(const py::object& array, const char* name) {
+  std::vector<Vector3> vectors;
+  if (array.is_none()) return vectors;
+  const NodeField field = to_field(array.cast<DoubleArray>(), name);
+  for (Index k = 0; k < static_cast<Index>(field.size() / 3); ++k) vectors.push_back(at(field, k));
+  return vectors;
+}
+
 /// Runs `work` without the interpreter lock.
 template <class Work>
 auto released(Work&& work) {

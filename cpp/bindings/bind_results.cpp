@@ -32,6 +32,9 @@ void bind_results(py::module_& module) {
       .def_readonly("least_jacobian", &Report::least_jacobian)
       .def_readonly("worst_element", &Report::worst_element)
       .def_readonly("error_estimate", &Report::error_estimate)
+      .def_readonly("contact_updates", &Report::contact_updates)
+      .def_readonly("penetration", &Report::penetration)
+      .def_readonly("contact_violation", &Report::contact_violation)
       .def_readonly("residuals_by_iteration", &Report::residuals_by_iteration)
       .def_property_readonly("seconds", [](const Report& r) { return seconds(r.seconds); });
 
@@ -42,7 +45,9 @@ void bind_results(py::module_& module) {
       .def_property_readonly("pressure", [](const Equilibrium& q) { return to_array(q.pressure); })
       .def_property_readonly("stiffening", [](const Equilibrium& q) { return to_array(q.stiffening); })
       .def_property_readonly("activation", [](const Equilibrium& q) { return to_array(q.activation); })
-      .def_property_readonly("tension", [](const Equilibrium& q) { return to_array(q.tension); });
+      .def_property_readonly("tension", [](const Equilibrium& q) { return to_array(q.tension); })
+      .def_property_readonly("contact_pressure", [](const Equilibrium& q) { return to_array(q.contact_pressure); })
+      .def_property_readonly("contact_drag", [](const Equilibrium& q) { return to_array(flat(q.contact_drag), 3); });
 }
 
 }  // namespace glossa::python

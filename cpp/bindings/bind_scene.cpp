@@ -39,6 +39,45 @@ Macrofibres macrofibres(const py::dict& d) {
   return fibres;
 }
 
+std::optional<ContactOptions> contact_options(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  const auto d = given.cast<py::dict>();
+  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
+  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
+  ContactOptions contact;
+  const auto nodes = ints("weight_node");
+  const auto along = reals("weight_along"), across = reals("weight_across");
+  require(along.size() == nodes.size() && across.size() == nodes.size(), "contact weights must have one length");
+  std::vector<PointWeight> weights;
+  for (std::size_t k = 0; k < nodes.size(); ++k) weights.push_back({nodes[k], along[k], across[k]});
+  contact.points.weights = rows(ints("weight_start"), std::move(weights), "contact weights");
+  contact.points.area = reals("area");
+  contact.points.wall = ints("wall");
+  contact.points.offset = reals("offset");
+  for (const py::handle field : d["walls"]) contact.walls.push_back(field.cast<std::shared_ptr<DistanceField>>());
+  contact.friction = d["friction"].cast<double>();
+  return contact;
+}
+
+std::optional<Bone> bone_options(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  const auto d = given.cast<py::dict>();
+  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
+  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
+  Bone bone;
+  bone.ties = {ints("tied"), d["centre"].cast<Index>(), d["turn"].cast<Index>()};
+  const auto mass_nodes = ints("mass_node");
+  const auto masses = reals("mass");
+  require(mass_nodes.size() == masses.size(), "bone: one node per mass is needed");
+  for (std::size_t k = 0; k < masses.size(); ++k) bone.masses.push_back({mass_nodes[k], masses[k]});
+  const auto on_bone = ints("spring_on_bone"), fixed = ints("spring_fixed");
+  const auto stiffness = reals("spring_stiffness"), rest = reals("spring_rest");
+  require(on_bone.size() == fixed.size() && on_bone.size() == stiffness.size() && on_bone.size() == rest.size(),
+          "bone: springs need two nodes, a stiffness and a rest length each");
+  for (std::size_t k = 0; k < rest.size(); ++k) bone.springs.push_back({on_bone[k], fixed[k], stiffness[k], rest[k]});
+  return bone;
+}
+
 ElementKind element_kind(const std::string& name) {
   if (name == "Q1P0") return ElementKind::q1p0;
   require(name == "Q1", "element must be 'Q1P0' or 'Q1', it is '" + name + "'");
@@ -71,6 +110,8 @@ std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& he
     const auto g = given["gravity"].cast<std::array<double, 3>>();
     options.gravity = Vector3(g[0], g[1], g[2]);
   }
+  options.contact = contact_options(given["contact"]);
+  options.bone = bone_options(given["bone"]);
   options.free = to_vector(given["free"].cast<ByteArray>());
   options.threads = given["threads"].cast<int>();
   return std::make_unique<Solver>(Scene(HexMesh(to_field(nodes, "nodes"), std::move(elements)), std::move(options)));
@@ -78,7 +119,8 @@ std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& he
 
 Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const DoubleArray& start,
                             const py::object& pressure, const DoubleArray& target, const ByteArray& free,
-                            const py::object& load, double tolerance, int max_iterations, bool quasi_newton) {
+                            const py::object& load, const py::object& wall_start, const py::object& wall_shift,
+                            double tolerance, double gap_tolerance, int max_iterations, bool quasi_newton) {
   const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
   const std::vector<double> command = to_vector(fractions);
   const std::shared_ptr<System> shared = solver.system(to_vector(free), commanded_muscles(command));
@@ -90,6 +132,12 @@ Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const 
   options.max_iterations = max_iterations;
   options.quasi_newton = quasi_newton;
   options.interrupt = interrupted;
+  options.gap_tolerance = gap_tolerance;
+  const auto& contact = solver.scene().options().contact;
+  options.wall_start = to_vectors(wall_start, "wall displacements");
+  options.wall_shift = to_vectors(wall_shift, "wall displacements");
+  if (contact && wall_start.is_none()) options.wall_start.assign(contact->walls.size(), Vector3::Zero());
+  if (contact && wall_shift.is_none()) options.wall_shift.assign(contact->walls.size(), Vector3::Zero());
   const NodeField from = to_field(start, "start", nodes);
   const NodeField to = to_field(target, "target", nodes);
   std::vector<double> p;
@@ -117,7 +165,8 @@ void bind_scene(py::module_& module) {
       .def(py::init(&make_solver), py::arg("nodes"), py::arg("hexahedra"), py::arg("fibres"))
       .def("equilibrate", &run_equilibrate, py::kw_only(), py::arg("fractions"), py::arg("start"),
            py::arg("pressure") = py::none(), py::arg("target"), py::arg("free"), py::arg("load") = py::none(),
-           py::arg("tolerance") = 1e-8, py::arg("max_iterations") = 150, py::arg("quasi_newton") = true,
+           py::arg("wall_start") = py::none(), py::arg("wall_shift") = py::none(), py::arg("tolerance") = 1e-8,
+           py::arg("gap_tolerance") = 4.5e-5, py::arg("max_iterations") = 150, py::arg("quasi_newton") = true,
            "Static equilibrium; see glossa.Scene.equilibrate.");
   module.def("kernel_name", &kernel_name, "Instruction set of the element kernels on this machine.");
 }

@@ -7,6 +7,7 @@
 
 namespace glossa::python {
 
+void bind_contact(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_results(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);

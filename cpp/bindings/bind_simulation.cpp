@@ -16,9 +16,10 @@ Integrator integrator(const std::string& name) {
 }
 
 std::unique_ptr<Simulation> start(Solver& solver, const DoubleArray& times, const DoubleArray& fractions,
-                                  const DoubleArray& positions, const py::object& pressure, double time,
-                                  double max_step, double error_tolerance, double tolerance,
-                                  const std::string& method) {
+                                  const DoubleArray& positions, const py::object& pressure,
+                                  const py::object& contact_pressure, const py::object& contact_drag,
+                                  const py::object& wall_shift, double time, double max_step, double error_tolerance,
+                                  double tolerance, const std::string& method) {
   const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
   CommandTable commands(to_vector(times), to_vector(fractions), solver.scene().options().muscle_count);
   SimulationOptions options;
@@ -26,22 +27,26 @@ std::unique_ptr<Simulation> start(Solver& solver, const DoubleArray& times, cons
   options.max_step = max_step;
   options.error_tolerance = error_tolerance;
   options.tolerance = tolerance;
+  options.wall_shift = to_vectors(wall_shift, "wall displacements");
   options.interrupt = interrupted;
   std::vector<double> p;
   if (!pressure.is_none()) p = to_vector(pressure.cast<DoubleArray>());
   require(p.empty() || p.size() == static_cast<std::size_t>(solver.scene().mesh().element_count()),
           "pressure: one value per hexahedron is needed");
+  std::vector<double> contact;
+  if (!contact_pressure.is_none()) contact = to_vector(contact_pressure.cast<DoubleArray>());
   std::shared_ptr<System> system = solver.system(solver.scene().options().free, commands.commanded());
   return std::make_unique<Simulation>(std::move(system), std::move(commands), options,
-                                      to_field(positions, "start", nodes), p, time);
+                                      to_field(positions, "start", nodes), p, contact,
+                                      to_vectors(contact_drag, "contact drag"), time);
 }
 
 py::array_t<double> frames(std::vector<double> values, std::size_t count, std::size_t columns) {
   return to_array(std::move(values)).attr("reshape")(count, columns);
 }
 
-py::array_t<double> vector_frames(std::vector<double> values, std::size_t count) {
-  return to_array(std::move(values)).attr("reshape")(count, -1, 3);
+py::array_t<double> vector_frames(std::vector<double> values, std::size_t count, std::size_t points) {
+  return to_array(std::move(values)).attr("reshape")(count, points, 3);
 }
 
 py::tuple run(Simulation& simulation, double until) {
@@ -49,9 +54,13 @@ py::tuple run(Simulation& simulation, double until) {
   const Status status = released([&] { return simulation.advance(until, &recording); });
   const std::size_t count = recording.times.size();
   const auto fibres = static_cast<std::size_t>(simulation.system().scene().options().fibres.count());
-  return py::make_tuple(status_name(status), to_array(recording.times), vector_frames(recording.positions, count),
-                        vector_frames(recording.velocities, count), frames(recording.activation, count, fibres),
-                        frames(recording.tension, count, fibres));
+  const std::size_t nodes = simulation.state().positions.size() / 3;
+  const std::size_t touching = simulation.state().contact_pressure.size();
+  return py::make_tuple(status_name(status), to_array(recording.times),
+                        vector_frames(recording.positions, count, nodes),
+                        vector_frames(recording.velocities, count, nodes), frames(recording.activation, count, fibres),
+                        frames(recording.tension, count, fibres), frames(recording.contact_pressure, count, touching),
+                        vector_frames(recording.contact_drag, count, touching));
 }
 
 std::vector<double> on_scene(const Simulation& simulation, const std::vector<double>& values) {
@@ -69,9 +78,10 @@ void bind_simulation(py::module_& module) {
 
   py::class_<Simulation>(module, "Simulation", "A movement that is advanced step by step. See glossa.Simulation.")
       .def(py::init(&start), py::keep_alive<1, 2>(), py::arg("solver"), py::kw_only(), py::arg("times"),
-           py::arg("fractions"), py::arg("positions"), py::arg("pressure") = py::none(), py::arg("time") = 0.0,
-           py::arg("max_step") = 2e-3, py::arg("error_tolerance") = 0.0, py::arg("tolerance") = 2e-6,
-           py::arg("integrator") = "SDIRK2")
+           py::arg("fractions"), py::arg("positions"), py::arg("pressure") = py::none(),
+           py::arg("contact_pressure") = py::none(), py::arg("contact_drag") = py::none(),
+           py::arg("wall_shift") = py::none(), py::arg("time") = 0.0, py::arg("max_step") = 2e-3,
+           py::arg("error_tolerance") = 0.0, py::arg("tolerance") = 2e-6, py::arg("integrator") = "SDIRK2")
       .def(
           "step",
           [](Simulation& s, double dt) {
@@ -82,7 +92,7 @@ void bind_simulation(py::module_& module) {
           py::arg("dt"), "Advances by dt seconds; returns the status name.")
       .def("solve", &run, py::arg("until"),
            "Advances to a time and records every accepted step: status, times, positions, velocities, activations, "
-           "tensions.")
+           "tensions, contact pressures, contact drags.")
       .def_property_readonly("time", [](const Simulation& s) { return s.state().time; })
       .def_property_readonly("positions", [](const Simulation& s) { return to_array(s.state().positions, 3); })
       .def_property_readonly("velocities", [](const Simulation& s) { return to_array(s.state().velocities, 3); })
@@ -90,6 +100,10 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("activation",
                              [](const Simulation& s) { return to_array(on_scene(s, s.state().activation)); })
       .def_property_readonly("tension", [](const Simulation& s) { return to_array(on_scene(s, s.state().tension)); })
+      .def_property_readonly("contact_pressure",
+                             [](const Simulation& s) { return to_array(s.state().contact_pressure); })
+      .def_property_readonly("contact_drag",
+                             [](const Simulation& s) { return to_array(flat(s.state().contact_drag), 3); })
       .def_property(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state,
           "A copy of the state; assigning one goes back to it.")

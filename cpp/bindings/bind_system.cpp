@@ -20,9 +20,11 @@ class Pieces {
   py::array_t<double> force(const DoubleArray& positions) {
     trial_.positions = to_field(positions, "positions", nodes_);
     released([&] {
+      system_->place_tied(trial_.positions);
       system_->measure(trial_);
       system_->stiffening(trial_, trial_.isochoric_scale);
       system_->force(trial_, force_);
+      system_->reduce(trial_, force_);
       system_->elasticity().set_pressure(trial_.pressure);
       return 0;
     });
@@ -38,7 +40,7 @@ class Pieces {
   void assemble() {
     need(evaluated_, "assemble needs force() first");
     released([&] {
-      system_->assemble(trial_, 0.0, report_);
+      system_->assemble(trial_, 0.0);
       return 0;
     });
     assembled_ = true;

@@ -28,6 +28,7 @@ PYBIND11_MODULE(_core, module) {
       pybind11::set_error(errors.attr("InputError"), error.what());
     }
   });
+  glossa::python::bind_contact(module);
   glossa::python::bind_results(module);
   glossa::python::bind_scene(module);
   glossa::python::bind_simulation(module);

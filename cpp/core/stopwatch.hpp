@@ -7,10 +7,10 @@
 namespace glossa {
 
 /// Parts of the work that are timed apart; the names are those that reports print.
-enum class Part { elasticity, muscles, inertia, assembly, factorisation, solve, count };
+enum class Part { elasticity, muscles, contact, hyoid, inertia, assembly, factorisation, solve, count };
 
 inline constexpr std::array<const char*, static_cast<std::size_t>(Part::count)> part_names{
-    "elasticity", "muscles", "inertia", "assembly", "factorisation", "solve"};
+    "elasticity", "muscles", "contact", "hyoid", "inertia", "assembly", "factorisation", "solve"};
 
 struct Seconds {
   std::array<double, static_cast<std::size_t>(Part::count)> of{};

@@ -10,20 +10,32 @@ namespace {
 
 constexpr Index pairs_per_element = 36;
 
+// Visits the nodes of every cell; a cell with a tied node also couples the pose of the bone.
 template <class Visit>
-void for_cells(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, Visit&& visit) {
-  for (const Hexahedron& element : elements) visit(element.data(), static_cast<Index>(element.size()));
-  for (Index r = 0; r < extra.size(); ++r) visit(extra.begin(r), extra.length(r));
+void for_cells(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, const Ties* ties, Visit&& visit) {
+  std::vector<Index> cell;
+  const auto pass_on = [&](const Index* first, const Index* last) {
+    cell.assign(first, last);
+    if (ties != nullptr && std::any_of(first, last, [&](Index n) {
+          return std::binary_search(ties->nodes.begin(), ties->nodes.end(), n);
+        }))
+      cell.insert(cell.end(), {ties->centre, ties->turn});
+    visit(cell);
+  };
+  for (const Hexahedron& element : elements) pass_on(element.data(), element.data() + element.size());
+  for (Index r = 0; r < extra.size(); ++r) pass_on(extra.begin(r), extra.end(r));
+  if (ties != nullptr)
+    for (const Index node : ties->nodes) pass_on(&node, &node + 1);
 }
 
 // Lower triangle (row > column, diagonal included) of the graph of the cells, in the numbering of `rank`.
 void lower_graph(const std::vector<Index>& rank, Index count, const std::vector<Hexahedron>& elements,
-                 const Rows<Index>& extra, std::vector<Index>& start, std::vector<Index>& row) {
+                 const Rows<Index>& extra, const Ties* ties, std::vector<Index>& start, std::vector<Index>& row) {
   std::vector<std::vector<Index>> columns(static_cast<std::size_t>(count));
-  for_cells(elements, extra, [&](const Index* nodes, Index n) {
-    for (Index a = 0; a < n; ++a)
-      for (Index b = 0; b < n; ++b) {
-        const Index i = rank[static_cast<std::size_t>(nodes[a])], j = rank[static_cast<std::size_t>(nodes[b])];
+  for_cells(elements, extra, ties, [&](const std::vector<Index>& nodes) {
+    for (const Index a : nodes)
+      for (const Index b : nodes) {
+        const Index i = rank[static_cast<std::size_t>(a)], j = rank[static_cast<std::size_t>(b)];
         if (i >= 0 && j >= 0 && i >= j) columns[static_cast<std::size_t>(j)].push_back(i);
       }
   });
@@ -40,20 +52,25 @@ void lower_graph(const std::vector<Index>& rank, Index count, const std::vector<
 }  // namespace
 
 BlockMatrix::BlockMatrix(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-                         const Rows<Index>& extra, NodeOrdering ordering) {
-  number_nodes(node_count, free, elements, extra, ordering);
-  lay_out_blocks(elements, extra);
+                         const Rows<Index>& extra, NodeOrdering ordering, const Ties* ties) {
+  number_nodes(node_count, free, elements, extra, ordering, ties);
+  lay_out_blocks(elements, extra, ties);
   lay_out_columns();
   collect_sources(elements);
+  if (ties != nullptr) collect_ties(*ties);
   mass_.assign(block_row_.size(), 0.0);
 }
 
 void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-                               const Rows<Index>& extra, NodeOrdering ordering) {
+                               const Rows<Index>& extra, NodeOrdering ordering, const Ties* ties) {
   rank_of_node_.assign(static_cast<std::size_t>(node_count), -1);
   std::vector<bool> used(static_cast<std::size_t>(node_count), false);
   for (const Hexahedron& element : elements)
     for (const Index node : element) used[static_cast<std::size_t>(node)] = true;
+  if (ties != nullptr) {
+    for (const Index node : ties->nodes) used[static_cast<std::size_t>(node)] = false;
+    for (const Index node : {ties->centre, ties->turn}) used[static_cast<std::size_t>(node)] = true;
+  }
   std::vector<Index> movable;
   for (Index n = 0; n < node_count; ++n) {
     const std::uint8_t* mask = free.data() + 3 * static_cast<std::size_t>(n);
@@ -64,7 +81,7 @@ void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const std
   }
   require(!movable.empty(), "constraints: every node is held, nothing is left to solve for");
   std::vector<Index> start, row;
-  lower_graph(rank_of_node_, static_cast<Index>(movable.size()), elements, extra, start, row);
+  lower_graph(rank_of_node_, static_cast<Index>(movable.size()), elements, extra, ties, start, row);
   for (const Index old : ordering(start, row)) {
     const Index node = movable[static_cast<std::size_t>(old)];
     rank_of_node_[static_cast<std::size_t>(node)] = static_cast<Index>(node_of_rank_.size());
@@ -82,19 +99,30 @@ void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const std
     free_components_.push_back(components);
     free_count_.push_back(count);
   }
+  unknown_ranks_ = node_of_rank_.size();
+  if (ties != nullptr)
+    for (const Index node : ties->nodes) {
+      rank_of_node_[static_cast<std::size_t>(node)] = static_cast<Index>(node_of_rank_.size());
+      node_of_rank_.push_back(node);
+    }
 }
 
-void BlockMatrix::lay_out_blocks(const std::vector<Hexahedron>& elements, const Rows<Index>& extra) {
-  lower_graph(rank_of_node_, static_cast<Index>(node_of_rank_.size()), elements, extra, block_start_, block_row_);
+void BlockMatrix::lay_out_blocks(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, const Ties* ties) {
+  lower_graph(rank_of_node_, static_cast<Index>(node_of_rank_.size()), elements, extra, ties, block_start_, block_row_);
   blocks_.assign(9 * block_row_.size(), 0.0);
+  for (std::size_t J = 0; J < unknown_ranks_; ++J) {
+    const auto first = block_row_.begin() + block_start_[J], last = block_row_.begin() + block_start_[J + 1];
+    unknown_end_.push_back(
+        static_cast<Index>(std::lower_bound(first, last, static_cast<Index>(unknown_ranks_)) - block_row_.begin()));
+  }
 }
 
 void BlockMatrix::lay_out_columns() {
   row_offset_.resize(block_row_.size());
   columns_.column_start.assign(1, 0);
-  for (std::size_t J = 0; J < node_of_rank_.size(); ++J) {
+  for (std::size_t J = 0; J < unknown_ranks_; ++J) {
     std::vector<Index> rows;
-    for (Index b = block_start_[J]; b < block_start_[J + 1]; ++b) {
+    for (Index b = block_start_[J]; b < unknown_end_[J]; ++b) {
       const auto I = static_cast<std::size_t>(block_row_[static_cast<std::size_t>(b)]);
       row_offset_[static_cast<std::size_t>(b)] = static_cast<Index>(rows.size());
       for (Index k = 0; k < free_count_[I]; ++k) rows.push_back(first_unknown_[I] + k);
@@ -129,12 +157,62 @@ void BlockMatrix::collect_sources(const std::vector<Hexahedron>& elements) {
 BlockMatrix::Slot BlockMatrix::slot(Index a, Index b) const {
   const Index i = rank_of_node_[static_cast<std::size_t>(a)], j = rank_of_node_[static_cast<std::size_t>(b)];
   if (i < 0 || j < 0) return {-1, false};
+  const Slot found = slot_of_ranks(i, j);
+  require(found.block >= 0,
+          "tangent: nodes " + std::to_string(a) + " and " + std::to_string(b) + " are not coupled in the layout");
+  return found;
+}
+
+BlockMatrix::Slot BlockMatrix::slot_of_ranks(Index i, Index j) const {
   const auto column = static_cast<std::size_t>(std::min(i, j));
   const auto first = block_row_.begin() + block_start_[column], last = block_row_.begin() + block_start_[column + 1];
   const auto it = std::lower_bound(first, last, std::max(i, j));
-  require(it != last && *it == std::max(i, j),
-          "tangent: nodes " + std::to_string(a) + " and " + std::to_string(b) + " are not coupled in the layout");
+  if (it == last || *it != std::max(i, j)) return {-1, false};
   return {static_cast<Index>(it - block_row_.begin()), i < j};
+}
+
+void BlockMatrix::collect_ties(const Ties& ties) {
+  const Index centre = rank_of_node_[static_cast<std::size_t>(ties.centre)],
+              turn = rank_of_node_[static_cast<std::size_t>(ties.turn)];
+  const auto slot_of = [&](Index i, Index j) { return i < 0 || j < 0 ? Slot{-1, false} : slot_of_ranks(i, j); };
+  pose_centre_ = slot_of(centre, centre);
+  pose_turn_ = slot_of(turn, turn);
+  pose_cross_ = slot_of(turn, centre);
+  const auto first_tied = static_cast<Index>(unknown_ranks_);
+  for (std::size_t J = 0; J < node_of_rank_.size(); ++J)
+    for (Index b = J < unknown_ranks_ ? unknown_end_[J] : block_start_[J]; b < block_start_[J + 1]; ++b) {
+      const auto column = static_cast<Index>(J);
+      if (column == centre || column == turn) continue;  // such a block stays empty
+      TiedBlock tied{b, block_row_[static_cast<std::size_t>(b)] - first_tied};
+      if (column >= first_tied)
+        tied.other = column - first_tied;
+      else {
+        tied.centre = slot_of(centre, column);
+        tied.turn = slot_of(turn, column);
+      }
+      tied_blocks_.push_back(tied);
+    }
+}
+
+void BlockMatrix::eliminate(const std::vector<Matrix3>& turn_gradients) {
+  for (const TiedBlock& tied : tied_blocks_) {
+    const Matrix3 B = block(tied.block);
+    const Matrix3& T = turn_gradients[static_cast<std::size_t>(tied.tied)];
+    if (tied.other < 0) {
+      add(tied.centre, B);
+      add(tied.turn, T.transpose() * B);
+    } else if (tied.other == tied.tied) {
+      add(pose_centre_, B);
+      add(pose_turn_, T.transpose() * B * T);
+      add(pose_cross_, T.transpose() * B);
+    } else {
+      const Matrix3& S = turn_gradients[static_cast<std::size_t>(tied.other)];
+      const Matrix3 turned = T.transpose() * B * S;
+      add(pose_centre_, B + B.transpose());
+      add(pose_turn_, turned + turned.transpose());
+      add(pose_cross_, T.transpose() * B + S.transpose() * B.transpose());
+    }
+  }
 }
 
 void BlockMatrix::set_mass(std::span<const double> element_masses) {
@@ -143,6 +221,11 @@ void BlockMatrix::set_mass(std::span<const double> element_masses) {
     for (Index s = source_start_[b]; s < source_start_[b + 1]; ++s)
       mass_[b] += element_masses[static_cast<std::size_t>(sources_[static_cast<std::size_t>(s)].offset)];
   }
+}
+
+void BlockMatrix::add_mass(Index node, double mass) {
+  const Slot s = slot(node, node);
+  if (s.block >= 0) mass_[static_cast<std::size_t>(s.block)] += mass;
 }
 
 void BlockMatrix::gather(std::span<const double> element_tangents, double mass_scale, int threads) {
@@ -180,19 +263,19 @@ void BlockMatrix::add(Index a, Index b, const Matrix3& block) {
 }
 
 void BlockMatrix::shift_diagonal(double shift) {
-  for (std::size_t J = 0; J < node_of_rank_.size(); ++J)
+  for (std::size_t J = 0; J < unknown_ranks_; ++J)
     for (const int k : {0, 4, 8})
       blocks_[9 * static_cast<std::size_t>(block_start_[J]) + static_cast<std::size_t>(k)] += shift;
 }
 
 const LowerColumns& BlockMatrix::columns(int threads) {
-  parallel_ranges(static_cast<int>(node_of_rank_.size()), threads, [&](int begin, int end) {
+  parallel_ranges(static_cast<int>(unknown_ranks_), threads, [&](int begin, int end) {
     for (auto J = static_cast<std::size_t>(begin); J < static_cast<std::size_t>(end); ++J) {
       for (Index c = 0; c < free_count_[J]; ++c) {
         const Index j = free_components_[J][static_cast<std::size_t>(c)];
         double* column =
             columns_.value.data() + columns_.column_start[static_cast<std::size_t>(first_unknown_[J] + c)] - c;
-        for (Index b = block_start_[J]; b < block_start_[J + 1]; ++b) {
+        for (Index b = block_start_[J]; b < unknown_end_[J]; ++b) {
           const auto I = static_cast<std::size_t>(block_row_[static_cast<std::size_t>(b)]);
           const double* block = blocks_.data() + 9 * static_cast<std::size_t>(b);
           double* to = column + row_offset_[static_cast<std::size_t>(b)];

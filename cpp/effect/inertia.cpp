@@ -4,7 +4,8 @@
 
 namespace glossa {
 
-Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses) {
+Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses,
+                 const std::vector<PointMass>& points) {
   std::vector<std::map<Index, double>> rows(static_cast<std::size_t>(node_count));
   std::size_t pair = 0;
   for (const Hexahedron& nodes : elements)
@@ -13,6 +14,7 @@ Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count, cons
         rows[static_cast<std::size_t>(nodes[a])][nodes[b]] += element_masses[pair];
         if (a != b) rows[static_cast<std::size_t>(nodes[b])][nodes[a]] += element_masses[pair];
       }
+  for (const PointMass& point : points) rows[static_cast<std::size_t>(point.node)][point.node] += point.mass;
   row_start_.assign(1, 0);
   for (const auto& row : rows) {
     for (const auto& [node, mass] : row) {

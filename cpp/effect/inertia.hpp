@@ -2,6 +2,7 @@
 // The stiffness-proportional part is carried by the momentum form of the time integrator.
 #pragma once
 
+#include "bone/bone.hpp"
 #include "effect/effect.hpp"
 
 namespace glossa {
@@ -16,7 +17,8 @@ struct RayleighDamping {
 /// Adds mass_rate M V. Its tangent is part of BlockMatrix::gather.
 class Inertia final : public Effect {
  public:
-  Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses);
+  Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses,
+          const std::vector<PointMass>& points = {});
 
   [[nodiscard]] const char* name() const override { return "inertia"; }
   void add_force(const Trial& trial, NodeField& force) override;

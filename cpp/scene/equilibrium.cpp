@@ -11,6 +11,12 @@ namespace {
 
 // Residual that rounding leaves at rest, where no force sets a scale: relative to bulk modulus times area of the body.
 constexpr double rounding = 1e-14;
+// Residual over force scale while the multipliers of contact still change.
+constexpr double loose_tolerance = 1e-4;
+constexpr int undamped_updates = 5;  // of the friction bounds, before they are damped
+constexpr int cautious_tangents = 2;
+constexpr double friction_tolerance = 0.01;  // error of the friction bounds over the sum of pressures
+constexpr double wall_step = 1.5e-3;         // m, farthest move of a wall between two solves
 
 class EquilibriumSolver {
  public:
@@ -19,16 +25,24 @@ class EquilibriumSolver {
     const double extent = system.scene().mesh().extent();
     max_step_ = options.max_step * extent;
     least_force_ = rounding * system.scene().options().tissue.kappa * extent * extent;
+    wall_shift_ = options.wall_start;
   }
 
-  bool start(const NodeField& positions, const std::vector<double>& pressure) {
+  Status start(const NodeField& positions, const std::vector<double>& pressure) {
     trial_.positions = positions;
+    system_.place_tied(trial_.positions);
+    if (WallContact* contact = system_.contact()) {
+      contact->clear();
+      const std::vector<Vector3> at_rest(wall_shift_.size(), Vector3::Zero());
+      contact->begin_increment(system_.scene().mesh().nodes(), at_rest);
+      contact->set_shift(wall_shift_);
+    }
     evaluate(trial_, true);
     if (pressure.empty())
       system_.elasticity().set_pressure(trial_.pressure);
     else
       std::copy(pressure.begin(), pressure.end(), trial_.pressure.begin());
-    return uninverted();
+    return state_of_trial();
   }
 
   Status reach(const NodeField& target) {
@@ -37,18 +51,57 @@ class EquilibriumSolver {
     while (left > 0.0) {
       bool moved = false;
       for (std::size_t k = 0; k < gap.size(); ++k) {
-        gap[k] = system_.free()[k] ? 0.0 : target[k] - trial_.positions[k];
+        gap[k] = system_.moving()[k] ? 0.0 : target[k] - trial_.positions[k];
         moved = moved || gap[k] != 0.0;
       }
-      if (!moved) break;
+      if (!moved && wall_shift_ == options_.wall_shift) break;
+      if (left == 1.0 && system_.contact() != nullptr) {
+        // What is far from equilibrium would move further than a displaced wall or node may.
+        const Status loose = minimise(1e-2);
+        if (loose != Status::converged) return loose;
+      }
       const Status status = advance(gap, left);
       if (status != Status::converged) return status;
-      if (left > 0.0) {
+      if (left > 0.0 && system_.contact() == nullptr) {
         const Status loose = minimise(1e-2);
         if (loose != Status::converged) return loose;
       }
     }
     return Status::converged;
+  }
+
+  Status solve() {
+    WallContact* contact = system_.contact();
+    if (contact == nullptr) return minimise(options_.tolerance);
+    // While multipliers still change, the residual need not be small.
+    double tolerance = std::max(options_.tolerance, loose_tolerance);
+    Status status = minimise(tolerance);
+    for (int update = 0; status == Status::converged; ++update) {
+      const bool settled = contact->bound_error() <= friction_tolerance;
+      if (settled && contact->violation() <= options_.gap_tolerance) {
+        if (tolerance == options_.tolerance) return status;
+        tolerance = options_.tolerance;
+      } else if (update >= options_.max_contact_updates)
+        return Status::iteration_limit;
+      else {
+        ++report_.contact_updates;
+        contact->update(options_.gap_tolerance);
+        contact->update_bounds(update >= undamped_updates ? 0.5 : 1.0);
+      }
+      status = resume(tolerance);
+    }
+    return status;
+  }
+
+  // On from the present state, at first with the present factor.
+  Status resume(double tolerance) {
+    evaluate(trial_, true);
+    if (small(tolerance)) return Status::converged;
+    if (options_.quasi_newton && factor_stamp_ == system_.factor_stamp()) {
+      const Status status = quasi_newton(tolerance);
+      if (status == Status::converged || status == Status::interrupted) return status;
+    }
+    return minimise(tolerance);
   }
 
   Status minimise(double tolerance) {
@@ -61,7 +114,20 @@ class EquilibriumSolver {
   [[nodiscard]] const NodeField& force() const { return force_; }
 
  private:
-  [[nodiscard]] bool uninverted() { return system_.elasticity().least_jacobian() > 0.0; }
+  // Whether a solve can go on from the last trial: converged, inverted or penetrated.
+  [[nodiscard]] Status state_of_trial() {
+    if (!std::isfinite(residual_) || !(system_.elasticity().least_jacobian() > 0.0)) return Status::inverted;
+    return system_.lost() ? Status::penetrated : Status::converged;
+  }
+  [[nodiscard]] bool valid() { return state_of_trial() == Status::converged; }
+
+  [[nodiscard]] bool renew_factor() {
+    const int before = report_.indefinite;
+    const bool done = system_.renew_factor(trial_, 0.0, report_, cautious_ == 0);
+    cautious_ = report_.indefinite > before ? cautious_tangents : std::max(0, cautious_ - 1);
+    factor_stamp_ = system_.factor_stamp();
+    return done;
+  }
 
   // Forces at the trial; with `follow` the stiffening factors are those of its activations.
   void evaluate(Trial& trial, bool follow) {
@@ -69,35 +135,42 @@ class EquilibriumSolver {
     system_.measure(trial);
     if (follow) system_.stiffening(trial, trial.isochoric_scale);
     system_.force(trial, force_);
+    system_.reduce(trial, force_);
     residual_ = system_.norm_free(force_);
     scale_ = system_.force_scale();
   }
 
   [[nodiscard]] bool small(double tolerance) const { return residual_ <= tolerance * scale_ + least_force_; }
 
-  // Moves the held components by as much of `gap` as a linear predictor can be trusted with: no point further than two
-  // Newton steps (a long jump may end in another, crushed equilibrium), no element inverted.
+  // Moves held components and walls by as much of what is left as a linear predictor can be trusted with: no point
+  // further than two Newton steps (a long jump may end in another, crushed equilibrium), no wall further than points
+  // find back from behind it, no element inverted.
   Status advance(const NodeField& gap, double& left) {
-    system_.assemble(trial_, 0.0, report_);
-    NodeField coupling;
+    if (!renew_factor()) return Status::indefinite;
+    NodeField coupling(gap.size(), 0.0);
     system_.multiply(trial_, gap, coupling);
-    if (!system_.factorise(report_)) return Status::indefinite;
     const Vector residual = system_.restrict_free(force_), stiffness = system_.restrict_free(coupling);
-    double farthest = 0.0;
+    double farthest = 0.0, farthest_wall = 0.0;
     for (const double x : gap) farthest = std::max(farthest, std::abs(x));
-    for (double part = std::min(1.0, 2.0 * max_step_ / farthest); part > 1e-6; part *= 0.5) {
+    const std::vector<Vector3> shift = wall_shift_;
+    for (std::size_t w = 0; w < shift.size(); ++w)
+      farthest_wall = std::max(farthest_wall, (options_.wall_shift[w] - shift[w]).norm());
+    const double longest = std::min({1.0, 2.0 * max_step_ / farthest, wall_step / farthest_wall});
+    Status refused = Status::inverted;
+    for (double part = longest; part > 1e-6; part *= 0.5) {
       Vector step = residual + part * stiffness;
       system_.newton_step(step);
       Trial next = trial_;
-      NodeField increment(gap.size(), 0.0);
-      system_.add_free(step, 1.0, increment);
-      for (std::size_t k = 0; k < gap.size(); ++k) increment[k] += part * gap[k];
-      for (std::size_t k = 0; k < gap.size(); ++k) next.positions[k] += increment[k];
+      const NodeField increment = system_.spread(step, 1.0, trial_.positions);
+      system_.move(step, 1.0, next.positions);
+      for (std::size_t k = 0; k < gap.size(); ++k) next.positions[k] += part * gap[k];
       if (part == 1.0)
         for (std::size_t k = 0; k < gap.size(); ++k)
-          if (!system_.free()[k]) next.positions[k] = trial_.positions[k] + gap[k];
+          if (!system_.moving()[k]) next.positions[k] = trial_.positions[k] + gap[k];
+      move_walls(shift, part);
       evaluate(next, true);
-      if (std::isfinite(residual_) && uninverted() && largest(step) < 4.0 * max_step_) {
+      refused = state_of_trial();
+      if (refused == Status::converged && largest(step) < 4.0 * max_step_) {
         trial_ = std::move(next);
         system_.elasticity().set_pressure(trial_.pressure);
         left = part == 1.0 ? 0.0 : 1.0;
@@ -105,8 +178,16 @@ class EquilibriumSolver {
       }
       ++report_.line_search;
     }
+    move_walls(shift, 0.0);
     evaluate(trial_, true);
-    return Status::inverted;
+    return refused == Status::converged ? Status::inverted : refused;
+  }
+
+  void move_walls(const std::vector<Vector3>& from, double part) {
+    for (std::size_t w = 0; w < from.size(); ++w)
+      wall_shift_[w] =
+          part == 1.0 ? options_.wall_shift[w] : Vector3(from[w] + part * (options_.wall_shift[w] - from[w]));
+    if (system_.contact() != nullptr) system_.contact()->set_shift(wall_shift_);
   }
 
   static double largest(const Vector& step) { return step.size() > 0 ? step.cwiseAbs().maxCoeff() : 0.0; }
@@ -120,8 +201,7 @@ class EquilibriumSolver {
       if (small(tolerance)) return Status::converged;
       if (hold_factors && outer_target == 0.0) outer_target = 0.03 * residual_;
       ++report_.iterations;
-      system_.assemble(trial_, 0.0, report_);
-      if (!system_.factorise(report_)) return Status::indefinite;
+      if (!renew_factor()) return Status::indefinite;
       const double before = residual_;
       double step = 0.0;
       const Status status = newton_step(hold_factors, step);
@@ -148,21 +228,21 @@ class EquilibriumSolver {
     double length = reach > max_step_ ? max_step_ / reach : 1.0;
     const double slope = G.dot(step);
     const double energy = system_.energy(trial_);
-    NodeField increment(trial_.positions.size(), 0.0);
-    system_.add_free(step, 1.0, increment);
+    const NodeField increment = system_.spread(step, 1.0, trial_.positions);
     std::vector<double> predicted = trial_.pressure;
     system_.elasticity().predict_pressure(increment, 1.0, predicted);
     const double before = residual_;
-    bool met_inversion = false;
+    Status refused = Status::stalled;
     for (int cut = 0; cut < 30; ++cut, length *= 0.5) {
       Trial next = trial_;
-      system_.add_free(step, length, next.positions);
+      system_.move(step, length, next.positions);
       evaluate(next, false);
-      const bool valid = std::isfinite(residual_) && uninverted();
-      met_inversion = met_inversion || !valid;
-      const double change = valid ? system_.energy(next) - energy : 0.0;
+      const Status status = state_of_trial();
+      if (status != Status::converged) refused = status;
+      const double change = status == Status::converged ? system_.energy(next) - energy : 0.0;
       const double noise = 1e-13 * (std::abs(energy) + 1e-6);
-      if (valid && (change <= 1e-4 * length * slope + noise || (length == 1.0 && residual_ < 0.1 * before))) {
+      if (status == Status::converged &&
+          (change <= 1e-4 * length * slope + noise || (length == 1.0 && residual_ < 0.1 * before))) {
         for (std::size_t e = 0; e < predicted.size(); ++e)
           next.pressure[e] += length * (predicted[e] - next.pressure[e]);
         trial_ = std::move(next);
@@ -173,7 +253,7 @@ class EquilibriumSolver {
       ++report_.line_search;
     }
     evaluate(trial_, false);
-    return met_inversion ? Status::inverted : Status::stalled;
+    return refused;
   }
 
   // Lets the stiffening factors follow the activations of the present trial.
@@ -195,12 +275,10 @@ class EquilibriumSolver {
       Vector step = anderson_.increment(u, F, G);
       const double reach = largest(step);
       const double length = reach > max_step_ ? max_step_ / reach : 1.0;
-      NodeField increment(trial_.positions.size(), 0.0);
-      system_.add_free(step, length, increment);
-      system_.elasticity().predict_pressure(increment, 1.0, trial_.pressure);
-      system_.add_free(step, length, trial_.positions);
+      system_.elasticity().predict_pressure(system_.spread(step, length, trial_.positions), 1.0, trial_.pressure);
+      system_.move(step, length, trial_.positions);
       evaluate(trial_, true);
-      if (!std::isfinite(residual_) || !uninverted() || residual_ > 3.0 * best_residual) break;
+      if (!valid() || residual_ > 3.0 * best_residual) break;
       if (residual_ < best_residual) {
         best = trial_;
         best_residual = residual_;
@@ -210,7 +288,7 @@ class EquilibriumSolver {
         milestone = best_residual;
       }
     }
-    if (small(tolerance) && uninverted()) return Status::converged;
+    if (small(tolerance) && valid()) return Status::converged;
     trial_ = std::move(best);
     evaluate(trial_, true);
     return Status::stalled;
@@ -225,7 +303,10 @@ class EquilibriumSolver {
   double residual_ = 0.0;
   double scale_ = 0.0;
   double least_force_ = 0.0;
-  double max_step_ = 0.0;  // m
+  double max_step_ = 0.0;   // m
+  int cautious_ = 0;        // tangents to come without negative curvature of walls, since one was indefinite with it
+  long factor_stamp_ = -1;  // of the system's factor when this solve made it
+  std::vector<Vector3> wall_shift_;
 
  public:
   [[nodiscard]] double residual() const { return residual_; }
@@ -236,22 +317,23 @@ class EquilibriumSolver {
 
 Equilibrium equilibrate(System& system, const NodeField& start, const std::vector<double>& pressure,
                         const NodeField& target, const EquilibriumOptions& options) {
-  require_supported(system.scene().mesh(), system.free());
+  require_supported(system.scene().mesh(), system.moving());
   const HexMesh& mesh = system.scene().mesh();
   require(start.size() == mesh.nodes().size() && target.size() == mesh.nodes().size() &&
               (pressure.empty() || pressure.size() == static_cast<std::size_t>(mesh.element_count())),
           "equilibrium: start, target and pressures must fit the body");
+  const auto& contact = system.scene().options().contact;
+  const std::size_t walls = contact ? contact->walls.size() : 0;
+  require(options.wall_start.size() == walls && options.wall_shift.size() == walls,
+          "equilibrium: one displacement per wall is needed");
   const auto begin = std::chrono::steady_clock::now();
   system.seconds() = Seconds{};
   Equilibrium result;
   Report& report = result.report;
   EquilibriumSolver solver(system, options, report);
-  if (!solver.start(start, pressure))
-    report.status = Status::inverted;
-  else {
-    report.status = solver.reach(target);
-    if (report.status == Status::converged) report.status = solver.minimise(options.tolerance);
-  }
+  report.status = solver.start(start, pressure);
+  if (report.status == Status::converged) report.status = solver.reach(target);
+  if (report.status == Status::converged) report.status = solver.solve();
   const Trial& trial = solver.trial();
   report.residual = solver.residual();
   report.force_scale = solver.scale();
@@ -268,6 +350,11 @@ Equilibrium equilibrate(System& system, const NodeField& start, const std::vecto
   for (std::size_t k = 0; k < system.fibre_of().size(); ++k) {
     result.activation[static_cast<std::size_t>(system.fibre_of()[k])] = trial.activation[k];
     result.tension[static_cast<std::size_t>(system.fibre_of()[k])] = system.muscles()->tensions()[k];
+  }
+  if (const WallContact* touching = system.contact()) {
+    report.penetration = touching->penetration();
+    report.contact_violation = touching->violation();
+    touching->tractions(result.contact_pressure, result.contact_drag);
   }
   report.seconds = system.seconds();
   report.seconds.total = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

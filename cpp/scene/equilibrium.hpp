@@ -6,6 +6,11 @@
 // Anderson quasi-Newton iteration on the full residual, factors following, finishes: it costs one residual and one
 // solve where a Newton iteration costs a factorisation. If this does not converge, the factors are held until the
 // energy is minimised and updated in an outer loop.
+//
+// Contact joins as an augmented Lagrangian: its multipliers and the bounds of friction are held in each solve, take the
+// pressures found, and the solve goes on from there with the same factor, until gaps and pressures obey the laws of
+// contact. Friction opposes the slip since rest: the posture is reached from rest in one increment, whatever the solve
+// starts from.
 #pragma once
 
 #include "scene/system.hpp"
@@ -13,21 +18,26 @@
 namespace glossa {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-8;   ///< residual over force scale
-  int max_iterations = 150;  ///< Newton iterations
-  double max_step = 0.055;   ///< largest displacement component of one iteration over the extent of the body
-  bool quasi_newton = true;  ///< finish with frozen factors
+  double tolerance = 1e-8;        ///< residual over force scale
+  int max_iterations = 150;       ///< Newton iterations
+  double max_step = 0.055;        ///< largest displacement component of one iteration over the extent of the body
+  bool quasi_newton = true;       ///< finish with frozen factors
+  double gap_tolerance = 4.5e-5;  ///< m, deepest penetration of a wall, widest gap that still pushes
+  int max_contact_updates = 80;
+  std::vector<Vector3> wall_start, wall_shift;  ///< m, displacement of each wall at first and at last
   Interrupt interrupt;
 };
 
 struct Equilibrium {
   Report report;
-  NodeField positions;             ///< m
-  std::vector<double> pressure;    ///< Pa, per element
-  std::vector<double> stiffening;  ///< s_e per element
-  std::vector<double> activation;  ///< m, per fibre of the scene (0 where not commanded)
-  std::vector<double> tension;     ///< N, per fibre of the scene
-  NodeField force;                 ///< N, sum of all effects: the support's force at held components
+  NodeField positions;                   ///< m
+  std::vector<double> pressure;          ///< Pa, per element
+  std::vector<double> stiffening;        ///< s_e per element
+  std::vector<double> activation;        ///< m, per fibre of the scene (0 where not commanded)
+  std::vector<double> tension;           ///< N, per fibre of the scene
+  NodeField force;                       ///< N, sum of all effects: the support's force at held components
+  std::vector<double> contact_pressure;  ///< Pa, of each contact point
+  std::vector<Vector3> contact_drag;     ///< Pa, friction of the body on the wall at each contact point
 };
 
 /// Solves from `start` (positions of all nodes; element pressures may be empty). Held components of `start` that

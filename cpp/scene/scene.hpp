@@ -5,13 +5,22 @@
 #include <optional>
 #include <string>
 
+#include "bone/bone.hpp"
 #include "effect/elasticity.hpp"
 #include "effect/inertia.hpp"
+#include "effect/wall_contact.hpp"
 #include "muscle/force_law.hpp"
 #include "muscle/macrofibre.hpp"
 #include "muscle/reflex.hpp"
 
 namespace glossa {
+
+/// Walls, and the points of the body that may touch them.
+struct ContactOptions {
+  ContactPoints points;
+  WallContact::Walls walls;
+  double friction = 0.0;  ///< Coulomb's coefficient
+};
 
 /// Everything that defines a scene; plain data, checked by Scene.
 struct SceneOptions {
@@ -25,7 +34,9 @@ struct SceneOptions {
   std::optional<Reflex> reflex = Reflex{};  ///< none: activation follows the length at once, without rate
   RayleighDamping damping;
   std::optional<Vector3> gravity;  ///< m/s2
-  FreeMask free;                   ///< 3 per node; 0 where the scene holds the component for good
+  std::optional<ContactOptions> contact;
+  std::optional<Bone> bone;  ///< its tied nodes move with it
+  FreeMask free;             ///< 3 per node; 0 where the scene holds the component for good; ignored at tied nodes
   int threads = 1;
 };
 
@@ -39,7 +50,8 @@ class Scene {
   [[nodiscard]] const SceneOptions& options() const { return options_; }
   [[nodiscard]] const std::shared_ptr<const RestBatches>& batches() const { return batches_; }
   [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
-  /// Consistent weight (N), empty without gravity.
+  [[nodiscard]] const ContactLaw& contact_law() const { return contact_law_; }
+  /// Consistent weight (N), that of the bone included; empty without gravity.
   [[nodiscard]] const NodeField& weight() const { return weight_; }
   /// Lengths of all fibres (m) at the given positions.
   [[nodiscard]] std::vector<double> fibre_lengths(const NodeField& positions) const;
@@ -50,6 +62,7 @@ class Scene {
   std::shared_ptr<const RestBatches> batches_;
   std::vector<double> masses_;
   NodeField weight_;
+  ContactLaw contact_law_;
 };
 
 }  // namespace glossa

@@ -22,7 +22,9 @@ double same_time(double time) {
 }  // namespace
 
 Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options,
-                       const NodeField& positions, const std::vector<double>& pressure, double time)
+                       const NodeField& positions, const std::vector<double>& pressure,
+                       const std::vector<double>& contact_pressure, const std::vector<Vector3>& contact_drag,
+                       double time)
     : shared_(std::move(system)), system_(*shared_), commands_(std::move(commands)), options_(options) {
   require(std::isfinite(options_.max_step) && options_.max_step > 0.0,
           "time step must be positive and finite, it is " + std::to_string(options_.max_step) + " s");
@@ -47,6 +49,8 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   Trial trial = system_.rest_trial();
   trial.positions = positions;
   system_.set_command(commands_.at(time, true));
+  system_.place_tied(trial.positions);
+  state_.positions = trial.positions;
   system_.measure(trial);
   if (const MuscleForce* muscles = system_.muscles()) {
     state_.history = DelayHistory(time, muscles->lengths());
@@ -55,10 +59,34 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   state_.stiffening = stiffening_of(trial.activation);
   state_.activation = trial.activation;
   trial.isochoric_scale = state_.stiffening;
+  if (WallContact* contact = system_.contact()) {
+    contact->clear();
+    const std::size_t walls = system_.scene().options().contact->walls.size();
+    require(options_.wall_shift.empty() || options_.wall_shift.size() == walls,
+            "start: one displacement per wall is needed");
+    options_.wall_shift.resize(walls, Vector3::Zero());
+    state_.contact = contact->state();
+    const std::size_t points = state_.contact.advance.size();
+    require((contact_pressure.empty() || contact_pressure.size() == points) &&
+                (contact_drag.empty() || contact_drag.size() == points),
+            "start: one pressure and one drag per contact point are needed");
+    if (!state_.contact.pressure.empty() && !contact_pressure.empty() && !contact_drag.empty()) {
+      state_.contact.pressure = contact_pressure;
+      state_.contact.friction = contact_drag;
+    }
+    enter_contact(state_.contact);
+    contact->begin_increment(state_.positions, options_.wall_shift);
+  }
   NodeField force;
   system_.force(trial, force);
   require(system_.elasticity().least_jacobian() > 0.0,
           "start: hexahedron " + std::to_string(system_.elasticity().worst_element()) + " is inverted");
+  require(!system_.lost(), "start: the body lies deep behind a wall");
+  if (WallContact* contact = system_.contact()) {
+    contact->tractions(state_.contact_pressure, state_.contact_drag);
+    contact->end_increment();
+    state_.contact = contact->state();
+  }
   if (pressure.empty()) system_.elasticity().set_pressure(state_.pressure);
   state_.tension = system_.muscles() ? system_.muscles()->tensions() : std::vector<double>{};
   state_.momentum_rate = force;
@@ -176,6 +204,14 @@ void Simulation::accept(State next, double h, double error) {
   ++report_.steps;
   report_.error_estimate = std::max(report_.error_estimate, error);
   report_.least_jacobian = std::min(report_.least_jacobian, system_.elasticity().least_jacobian());
+  if (const WallContact* contact = system_.contact())
+    report_.penetration = std::max(report_.penetration, contact->penetration());
+}
+
+// Contact as this movement left it: the system may have served another solve in between.
+void Simulation::enter_contact(const ContactState& contact) {
+  system_.contact()->set_state(contact);
+  system_.contact()->set_shift(options_.wall_shift);
 }
 
 void Simulation::set_state(State state) {
@@ -196,6 +232,11 @@ double Simulation::kinetic_energy() const {
 
 double Simulation::potential_energy() {
   system_.set_load({});
+  if (system_.contact() != nullptr) {
+    ContactState frictionless = state_.contact;
+    std::fill(frictionless.pressure.begin(), frictionless.pressure.end(), 0.0);
+    enter_contact(frictionless);
+  }
   Trial trial = system_.rest_trial();
   trial.positions = state_.positions;
   trial.isochoric_scale = state_.stiffening;
@@ -216,6 +257,10 @@ void Simulation::record(Recording& recording) const {
     recording.activation[first + static_cast<std::size_t>(system_.fibre_of()[k])] = state_.activation[k];
     recording.tension[first + static_cast<std::size_t>(system_.fibre_of()[k])] = state_.tension[k];
   }
+  recording.contact_pressure.insert(recording.contact_pressure.end(), state_.contact_pressure.begin(),
+                                    state_.contact_pressure.end());
+  for (const Vector3& drag : state_.contact_drag)
+    recording.contact_drag.insert(recording.contact_drag.end(), drag.data(), drag.data() + 3);
 }
 
 void Simulation::given_activation(double time, bool after, std::vector<double>& activation) {

@@ -13,9 +13,10 @@ namespace glossa {
 
 struct SimulationOptions {
   Integrator integrator = Integrator::sdirk2;
-  double max_step = 2e-3;        ///< s; the step where `error_tolerance` is 0
-  double error_tolerance = 0.0;  ///< m of estimated local error; > 0 lets the step adapt below max_step
-  double tolerance = 2e-6;       ///< residual of a stage over force scale
+  double max_step = 2e-3;           ///< s; the step where `error_tolerance` is 0
+  double error_tolerance = 0.0;     ///< m of estimated local error; > 0 lets the step adapt below max_step
+  double tolerance = 2e-6;          ///< residual of a stage over force scale
+  std::vector<Vector3> wall_shift;  ///< m, where each wall stays displaced to
   Interrupt interrupt;
 };
 
@@ -24,6 +25,8 @@ struct FactorPoint {
   double hg;
   double time;
   Trial trial;
+  NodeField base_momentum;
+  ContactState contact;
 };
 
 /// Everything that the future of a movement depends on. A value: copies are independent, and going back to one repeats
@@ -44,6 +47,9 @@ struct State {
   double next_step = 0.0;                     ///< s, proposed by the error control
   std::shared_ptr<const FactorPoint> factor;  ///< null: the next stage makes one
   std::vector<double> last_stiffening;
+  ContactState contact;
+  std::vector<double> contact_pressure;  ///< Pa, of each contact point
+  std::vector<Vector3> contact_drag;     ///< Pa, friction of the body on the wall
 };
 
 /// One frame per accepted time step.
@@ -51,13 +57,16 @@ struct Recording {
   std::vector<double> times;
   std::vector<double> positions, velocities;  ///< frames x nodes x 3
   std::vector<double> activation, tension;    ///< frames x fibres of the scene
+  std::vector<double> contact_pressure;       ///< Pa, frames x contact points
+  std::vector<double> contact_drag;           ///< Pa, frames x contact points x 3
 };
 
 class Simulation {
  public:
-  /// Starts at rest at `time` in the given positions (pressures may be empty).
+  /// Starts at rest at `time` in the given positions; element pressures, contact pressures and drags may be empty.
   Simulation(std::shared_ptr<System> system, CommandTable commands, SimulationOptions options,
-             const NodeField& positions, const std::vector<double>& pressure, double time);
+             const NodeField& positions, const std::vector<double>& pressure,
+             const std::vector<double>& contact_pressure, const std::vector<Vector3>& contact_drag, double time);
 
   /// Moves on to `time`, in as many steps as the options and the delay ask for. On failure or interruption the state
   /// is that of the last accepted step and the report says why.
@@ -68,7 +77,7 @@ class Simulation {
   [[nodiscard]] const Report& report() const { return report_; }
   [[nodiscard]] System& system() { return system_; }
   [[nodiscard]] double kinetic_energy() const;
-  /// Potential energy (J) of tissue and loads, without that of the muscles.
+  /// Potential energy (J) of tissue, loads, springs and the penalty of contact; without muscles and friction.
   [[nodiscard]] double potential_energy();
   void record(Recording& recording) const;
 
@@ -95,12 +104,14 @@ class Simulation {
   void tissue_force(const NodeField& positions, const std::vector<double>& isochoric, double volumetric,
                     NodeField& force);
 
+  void enter_contact(const ContactState& contact);
   bool attempt(double h, Integrator method, State& next, double& defect);
   [[nodiscard]] Stage first_stage(double h, Integrator method) const;
   [[nodiscard]] Trial stage_trial(const Stage& stage);
   bool solve_stage(const Stage& stage, Trial& trial);
   bool iterate(const Stage& stage, Trial& trial, bool newton);
   void evaluate(const Stage& stage, Trial& trial);
+  void search(const Stage& stage, Trial& trial, const Vector& increment, double slope);
   bool renew_factor(const Stage& stage, const Trial& trial);
   bool remake_factor();
   [[nodiscard]] bool valid() const;

@@ -35,22 +35,59 @@ Macrofibres chosen(const Macrofibres& all, const std::vector<bool>& commanded, s
   return result;
 }
 
+FreeMask with_ties(FreeMask free, const std::optional<Bone>& bone) {
+  if (bone)
+    for (const Index n : bone->ties.nodes)
+      for (std::size_t i = 0; i < 3; ++i) free[3 * static_cast<std::size_t>(n) + i] = 1;
+  return free;
+}
+
+std::unique_ptr<WallContact> contact_of(const Scene& scene) {
+  const auto& contact = scene.options().contact;
+  if (!contact || contact->points.count() == 0) return nullptr;
+  return std::make_unique<WallContact>(contact->points, contact->walls, scene.contact_law());
+}
+
+Rows<Index> couplings(const Rows<Index>& fibres, const WallContact* contact) {
+  Rows<Index> result = fibres;
+  if (contact != nullptr)
+    for (Index g = 0; g < contact->couplings().size(); ++g) {
+      result.values.insert(result.values.end(), contact->couplings().begin(g), contact->couplings().end(g));
+      result.push_row();
+    }
+  return result;
+}
+
+const std::vector<PointMass>& masses_of(const std::optional<Bone>& bone) {
+  static const std::vector<PointMass> none;
+  return bone ? bone->masses : none;
+}
+
 }  // namespace
 
 System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded)
     : scene_(scene),
       free_(std::move(free)),
+      moving_(with_ties(free_, scene.options().bone)),
       fibres_(chosen(scene.options().fibres, commanded, fibre_of_)),
       elasticity_(scene.mesh(), scene.batches(), scene.options().tissue, scene.options().element,
                   scene.options().threads),
-      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses()),
-      matrix_(scene.mesh().node_count(), free_, scene.mesh().hexahedra(), fibres_.nodes, &fill_reducing_order) {
+      contact_(contact_of(scene)),
+      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)),
+      matrix_(scene.mesh().node_count(), free_, scene.mesh().hexahedra(), couplings(fibres_.nodes, contact_.get()),
+              &fill_reducing_order, scene.options().bone ? &scene.options().bone->ties : nullptr) {
   if (fibres_.count() > 0) {
     muscles_.emplace(fibres_, scene.options().force_law);
     muscles_->bind(matrix_);
   }
+  if (contact_) contact_->bind(matrix_);
+  if (scene.options().bone) {
+    motion_.emplace(scene.options().bone->ties, scene.mesh().nodes());
+    springs_.emplace(scene.options().bone->springs);
+  }
   if (!scene.weight().empty()) gravity_.emplace("gravity", scene.weight());
   matrix_.set_mass(scene.masses());
+  for (const PointMass& point : masses_of(scene.options().bone)) matrix_.add_mass(point.node, point.mass);
   cholesky_.emplace(matrix_.columns(1));
   set_load({});
 }
@@ -107,21 +144,38 @@ void System::force(const Trial& trial, NodeField& sum) {
     const Stopwatch watch(seconds_, Part::muscles);
     muscles_->add_force(trial, sum);
   }
+  if (contact_) {
+    const Stopwatch watch(seconds_, Part::contact);
+    contact_->add_force(trial, sum);
+  }
+  if (springs_) {
+    const Stopwatch watch(seconds_, Part::hyoid);
+    springs_->add_force(trial, sum);
+  }
   const Stopwatch watch(seconds_, Part::inertia);
   inertia_.add_force(trial, sum);
   if (gravity_) gravity_->add_force(trial, sum);
   if (load_) load_->add_force(trial, sum);
 }
 
+void System::reduce(const Trial& trial, NodeField& sum) {
+  if (!motion_) return;
+  const Stopwatch watch(seconds_, Part::hyoid);
+  bone_curvature_ = motion_->curvature(trial.positions, sum);
+  motion_->pull_back(trial.positions, sum);
+}
+
 double System::energy(const Trial& trial) const {
   double sum = elasticity_.energy(trial);
   if (muscles_) sum += muscles_->energy(trial);
+  if (contact_) sum += contact_->energy(trial);
+  if (springs_) sum += springs_->energy(trial);
   if (gravity_) sum += gravity_->energy(trial);
   if (load_) sum += load_->energy(trial);
   return sum;
 }
 
-void System::assemble(const Trial& trial, double mass_scale, Report&) {
+void System::assemble(const Trial& trial, double mass_scale) {
   {
     const Stopwatch watch(seconds_, Part::assembly);
     elasticity_.set_mass_scale(mass_scale);
@@ -131,14 +185,50 @@ void System::assemble(const Trial& trial, double mass_scale, Report&) {
     const Stopwatch watch(seconds_, Part::muscles);
     muscles_->add_tangent(trial, matrix_);
   }
+  if (contact_) {
+    const Stopwatch watch(seconds_, Part::contact);
+    contact_->add_tangent(trial, matrix_);
+  }
+  if (motion_) {
+    const Stopwatch watch(seconds_, Part::hyoid);
+    springs_->add_tangent(trial, matrix_);
+    motion_->turn_gradients(trial.positions, turn_gradients_);
+    matrix_.eliminate(turn_gradients_);
+    matrix_.add(motion_->ties().turn, motion_->ties().turn, bone_curvature_);
+  }
 }
 
 bool System::factorise(Report& report) {
+  if (factorise_as_is(report)) return true;
+  ++report.indefinite;
+  return factorise_shifted(report);
+}
+
+bool System::renew_factor(const Trial& trial, double mass_scale, Report& report, bool whole_curvature) {
+  const bool touching = contact_ && contact_->active_count() > 0;
+  if (whole_curvature || !touching) {
+    assemble(trial, mass_scale);
+    if (factorise_as_is(report)) return true;
+    ++report.indefinite;
+  }
+  if (touching) {
+    contact_->drop_negative_curvature(true);
+    assemble(trial, mass_scale);
+    contact_->drop_negative_curvature(false);
+    if (factorise_as_is(report)) return true;
+  }
+  return factorise_shifted(report);
+}
+
+bool System::factorise_as_is(Report& report) {
   const Stopwatch watch(seconds_, Part::factorisation);
   ++report.factorisations;
   ++factor_stamp_;
-  if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
-  ++report.indefinite;
+  return cholesky_->factorise(matrix_.columns(scene_.options().threads));
+}
+
+bool System::factorise_shifted(Report& report) {
+  const Stopwatch watch(seconds_, Part::factorisation);
   // Diagonal shift, growing from half a percent of the mean stiffness; the direction stays one of descent.
   const LowerColumns& columns = matrix_.columns(scene_.options().threads);
   double mean = 0.0;
@@ -171,6 +261,9 @@ void System::precondition(Vector& x) {
 void System::multiply(const Trial& trial, const NodeField& x, NodeField& product) const {
   elasticity_.multiply(x, product);
   if (muscles_) muscles_->multiply(trial, x, product);
+  if (contact_) contact_->multiply(trial, x, product);
+  if (springs_) springs_->multiply(trial, x, product);
+  if (motion_) motion_->pull_back(trial.positions, product);
 }
 
 Vector System::restrict_free(const NodeField& field) const {
@@ -181,10 +274,24 @@ Vector System::restrict_free(const NodeField& field) const {
   return result;
 }
 
-void System::add_free(const Vector& increment, double step, NodeField& field) const {
+void System::move(const Vector& increment, double length, NodeField& positions) const {
   const auto& component = matrix_.component_of_unknown();
   for (std::size_t k = 0; k < component.size(); ++k)
-    field[static_cast<std::size_t>(component[k])] += step * increment(static_cast<Eigen::Index>(k));
+    positions[static_cast<std::size_t>(component[k])] += length * increment(static_cast<Eigen::Index>(k));
+  place_tied(positions);
+}
+
+NodeField System::spread(const Vector& increment, double length, const NodeField& positions) const {
+  NodeField result(positions.size(), 0.0);
+  const auto& component = matrix_.component_of_unknown();
+  for (std::size_t k = 0; k < component.size(); ++k)
+    result[static_cast<std::size_t>(component[k])] = length * increment(static_cast<Eigen::Index>(k));
+  if (motion_) motion_->spread(positions, result);
+  return result;
+}
+
+void System::place_tied(NodeField& positions) const {
+  if (motion_) motion_->place(positions);
 }
 
 double System::norm_free(const NodeField& field) const {
@@ -194,7 +301,7 @@ double System::norm_free(const NodeField& field) const {
   return std::sqrt(sum);
 }
 
-void require_supported(const HexMesh& mesh, const FreeMask& free) {
+void require_supported(const HexMesh& mesh, const FreeMask& moving) {
   std::vector<std::array<double, 6>> rows;
   Vector3 centre = Vector3::Zero();
   for (Index n = 0; n < mesh.node_count(); ++n) centre += at(mesh.nodes(), n) / mesh.node_count();
@@ -204,7 +311,7 @@ void require_supported(const HexMesh& mesh, const FreeMask& free) {
     const std::array<std::array<double, 6>, 3> modes{
         {{1, 0, 0, 0, r.z(), -r.y()}, {0, 1, 0, -r.z(), 0, r.x()}, {0, 0, 1, r.y(), -r.x(), 0}}};
     for (std::size_t i = 0; i < 3; ++i)
-      if (!free[3 * static_cast<std::size_t>(n) + i]) rows.push_back(modes[i]);
+      if (!moving[3 * static_cast<std::size_t>(n) + i]) rows.push_back(modes[i]);
   }
   Eigen::MatrixXd held(static_cast<Eigen::Index>(rows.size()), 6);
   for (std::size_t k = 0; k < rows.size(); ++k)

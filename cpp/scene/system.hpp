@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "bone/rigid_motion.hpp"
+#include "effect/bone_springs.hpp"
 #include "effect/dead_load.hpp"
 #include "effect/muscle_force.hpp"
 #include "scene/scene.hpp"
@@ -33,15 +35,20 @@ class System {
   void stiffening(const Trial& trial, std::vector<double>& factors) const;
   /// Sum of the forces of all effects (N, node field) at the trial; needs measure() before.
   void force(const Trial& trial, NodeField& sum);
+  /// Adds what the tied nodes feel, in the complete sum of forces, to the pose of the bone.
+  void reduce(const Trial& trial, NodeField& sum);
   /// Energy (J) at the trial of the last force(), stiffening held.
   [[nodiscard]] double energy(const Trial& trial) const;
   /// Sizes of the potential terms of that energy, for judging rounding.
   [[nodiscard]] double force_scale() const { return force_scale_; }
 
-  /// Assembles the tangent at the trial (after force()) with `mass_scale` times the mass.
-  void assemble(const Trial& trial, double mass_scale, Report& report);
+  /// Assembles the tangent at the trial (after force() and reduce()) with `mass_scale` times the mass.
+  void assemble(const Trial& trial, double mass_scale);
   /// Factorises the assembled tangent; on failure shifts its diagonal until it is positive definite.
   [[nodiscard]] bool factorise(Report& report);
+  /// Both. Where the curvature of touched walls makes the tangent indefinite, its negative part is left out, and with
+  /// `whole_curvature` false at once; the last resort is the shift.
+  [[nodiscard]] bool renew_factor(const Trial& trial, double mass_scale, Report& report, bool whole_curvature = true);
   /// x <- - P^(-1) x with the present factor, exactly (Newton's step).
   void newton_step(Vector& x);
   /// The same in single precision, for quasi-Newton iterations: half the time.
@@ -50,13 +57,23 @@ class System {
   void multiply(const Trial& trial, const NodeField& x, NodeField& product) const;
 
   [[nodiscard]] Vector restrict_free(const NodeField& field) const;
-  void add_free(const Vector& increment, double step, NodeField& field) const;
+  /// Moves the positions by `length` times an increment of the unknowns, tied nodes exactly.
+  void move(const Vector& increment, double length, NodeField& positions) const;
+  /// The same as a node field of increments from `positions`, tied nodes to first order.
+  [[nodiscard]] NodeField spread(const Vector& increment, double length, const NodeField& positions) const;
+  /// Puts the tied nodes where the pose says.
+  void place_tied(NodeField& positions) const;
   [[nodiscard]] double norm_free(const NodeField& field) const;
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const FreeMask& free() const { return free_; }
+  /// Components that move: the free ones and those of tied nodes.
+  [[nodiscard]] const FreeMask& moving() const { return moving_; }
   [[nodiscard]] Elasticity& elasticity() { return elasticity_; }
   [[nodiscard]] const MuscleForce* muscles() const { return muscles_ ? &*muscles_ : nullptr; }
+  [[nodiscard]] WallContact* contact() { return contact_.get(); }
+  /// True if the trial of the last force() lies in no way out behind a wall.
+  [[nodiscard]] bool lost() const { return contact_ && contact_->lost(); }
   [[nodiscard]] const Macrofibres& fibres() const { return fibres_; }
   /// Index in the scene of each fibre of this system.
   [[nodiscard]] const std::vector<Index>& fibre_of() const { return fibre_of_; }
@@ -70,12 +87,18 @@ class System {
   [[nodiscard]] const std::vector<Index>& component_of_unknown() const { return matrix_.component_of_unknown(); }
 
  private:
+  bool factorise_as_is(Report& report);
+  bool factorise_shifted(Report& report);
+
   const Scene& scene_;
-  FreeMask free_;
+  FreeMask free_, moving_;
   std::vector<Index> fibre_of_;  // filled while fibres_ is chosen
   Macrofibres fibres_;
   Elasticity elasticity_;
   std::optional<MuscleForce> muscles_;
+  std::unique_ptr<WallContact> contact_;
+  std::optional<RigidMotion> motion_;
+  std::optional<BoneSprings> springs_;
   Inertia inertia_;
   std::optional<DeadLoad> gravity_;
   std::optional<DeadLoad> load_;
@@ -83,11 +106,13 @@ class System {
   std::optional<Cholesky> cholesky_;
   double force_scale_ = 0.0;
   double load_norm_ = 0.0;
+  Matrix3 bone_curvature_ = Matrix3::Zero();
+  std::vector<Matrix3> turn_gradients_;
   long factor_stamp_ = 0;
   Seconds seconds_;
 };
 
-/// Raises InputError if the held components leave the body free to move rigidly.
-void require_supported(const HexMesh& mesh, const FreeMask& free);
+/// Raises InputError if the components that do not move leave the body free to move rigidly.
+void require_supported(const HexMesh& mesh, const FreeMask& moving);
 
 }  // namespace glossa

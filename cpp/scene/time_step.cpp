@@ -9,8 +9,10 @@ namespace {
 
 constexpr int quasi_newton_limit = 24;
 constexpr int newton_limit = 20;
-constexpr int worth_renewing = 9;    // iterations of a stage after which the factor is renewed
-constexpr double least_scale = 0.1;  // N, force to which the tolerance refers at least
+constexpr int worth_renewing = 9;  // iterations of a stage after which the factor is renewed
+constexpr int longest_search = 8;
+constexpr double search_share = 0.5;  // of the slope at the start of a line search
+constexpr double least_scale = 0.1;   // N, force to which the tolerance refers at least
 
 }  // namespace
 
@@ -19,6 +21,10 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
   if (method == Integrator::bdf2 && (state_.last_step == 0.0 || h > 2.0 * state_.last_step || at_breakpoint()))
     method = Integrator::sdirk2;
   Stage stage = first_stage(h, method);
+  if (WallContact* contact = system_.contact()) {
+    enter_contact(state_.contact);
+    contact->begin_increment(state_.positions, options_.wall_shift);
+  }
   std::vector<double> end_activation;
   if (delayed()) {
     given_activation(state_.time + h, false, end_activation);
@@ -50,6 +56,7 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
     trial = stage_trial(stage);
     for (std::size_t k = 0; k < guess.size(); ++k)
       if (system_.free()[k]) trial.positions[k] = guess[k];
+    system_.place_tied(trial.positions);
     trial.pressure = std::move(pressure);
     if (!solve_stage(stage, trial)) return false;
   }
@@ -110,6 +117,7 @@ Trial Simulation::stage_trial(const Stage& stage) {
     if (growth > 0.0) velocity += growth * (velocity - state_.last_velocities[k]);
     trial.positions[k] = stage.base_positions[k] + stage.hg * velocity;
   }
+  system_.place_tied(trial.positions);
   std::vector<double> factors = state_.stiffening;
   if (delayed()) {
     given_activation(stage.time, false, trial.activation);
@@ -126,7 +134,7 @@ Trial Simulation::stage_trial(const Stage& stage) {
 void Simulation::evaluate(const Stage& stage, Trial& trial) {
   ++report_.residuals;
   for (std::size_t k = 0; k < trial.positions.size(); ++k)
-    trial.velocities[k] = system_.free()[k] ? (trial.positions[k] - stage.base_positions[k]) / stage.hg : 0.0;
+    trial.velocities[k] = system_.moving()[k] ? (trial.positions[k] - stage.base_positions[k]) / stage.hg : 0.0;
   system_.measure(trial);
   if (!delayed() && system_.muscles() && system_.scene().options().stiffening) {
     const double beta = system_.scene().options().damping.beta;
@@ -137,18 +145,21 @@ void Simulation::evaluate(const Stage& stage, Trial& trial) {
   }
   system_.force(trial, force_);
   for (std::size_t k = 0; k < force_.size(); ++k) force_[k] -= stage.base_momentum[k] / stage.hg;
+  system_.reduce(trial, force_);
   residual_ = system_.norm_free(force_);
   scale_ = system_.force_scale();  // of this very state: a wild trial must not loosen the tolerance
 }
 
 bool Simulation::valid() const {
-  return std::isfinite(residual_) && system_.elasticity().least_jacobian() > 0.0;
+  return std::isfinite(residual_) && system_.elasticity().least_jacobian() > 0.0 && !system_.lost();
 }
 
 bool Simulation::renew_factor(const Stage& stage, const Trial& trial) {
-  system_.assemble(trial, trial.mass_rate / stage.hg, report_);
-  const bool done = system_.factorise(report_);
-  factor_ = done ? std::make_shared<const FactorPoint>(FactorPoint{stage.hg, stage.time, trial}) : nullptr;
+  const bool done = system_.renew_factor(trial, trial.mass_rate / stage.hg, report_);
+  const WallContact* contact = system_.contact();
+  factor_ = done ? std::make_shared<const FactorPoint>(FactorPoint{stage.hg, stage.time, trial, stage.base_momentum,
+                                                                   contact ? contact->state() : ContactState{}})
+                 : nullptr;
   factor_stamp_ = system_.factor_stamp();
   anderson_.reset();
   return done;
@@ -159,11 +170,42 @@ bool Simulation::remake_factor() {
   Trial trial = factor_->trial;
   if (!delayed()) system_.set_command(commands_.at(factor_->time, false));
   system_.measure(trial);
+  WallContact* contact = system_.contact();
+  ContactState present;
+  if (contact != nullptr) {
+    present = contact->state();
+    contact->set_state(factor_->contact);
+  }
   system_.force(trial, force_);
-  system_.assemble(trial, trial.mass_rate / factor_->hg, report_);
-  const bool done = system_.factorise(report_);
+  for (std::size_t k = 0; k < force_.size(); ++k) force_[k] -= factor_->base_momentum[k] / factor_->hg;
+  system_.reduce(trial, force_);
+  const bool done = system_.renew_factor(trial, trial.mass_rate / factor_->hg, report_);
+  if (contact != nullptr) contact->set_state(std::move(present));
   factor_stamp_ = system_.factor_stamp();
   return done;
+}
+
+// A Newton step as long as the force still resists it: with the friction bounds held a stage is nearly a convex
+// minimisation, and its kinks (points that begin or cease to touch or to slide) lie where the slope jumps.
+void Simulation::search(const Stage& stage, Trial& trial, const Vector& increment, double slope) {
+  const Trial start = trial;
+  double low = 0.0, high = 0.0, slope_low = slope, slope_high = 0.0, length = 1.0;
+  for (int cut = 0; cut < longest_search; ++cut) {
+    trial = start;
+    system_.move(increment, length, trial.positions);
+    evaluate(stage, trial);
+    const double here = valid() ? system_.restrict_free(force_).dot(increment) : -slope;
+    if (!(here > search_share * std::abs(slope))) {
+      if (high == 0.0 || here > search_share * slope) return;
+      low = length;
+      slope_low = here;
+    } else {
+      high = length;
+      slope_high = here;
+    }
+    const double secant = low - slope_low * (high - low) / (slope_high - slope_low);
+    length = std::clamp(secant, low + 0.1 * (high - low), high - 0.1 * (high - low));
+  }
 }
 
 bool Simulation::solve_stage(const Stage& stage, Trial& trial) {
@@ -207,8 +249,10 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
     const bool hopeless = !(increment.cwiseAbs().maxCoeff() < largest_increment_);
     Trial previous;
     if (!fresh) previous = trial;
-    if (!hopeless) {
-      system_.add_free(increment, 1.0, trial.positions);
+    if (!hopeless && newton)
+      search(stage, trial, increment, G.dot(increment));
+    else if (!hopeless) {
+      system_.move(increment, 1.0, trial.positions);
       evaluate(stage, trial);
     }
     const bool failed = hopeless || !valid() || residual_ > 20.0 * best;
@@ -257,6 +301,11 @@ void Simulation::finish(const Stage& stage, const Trial& trial, double h, State&
   next.tension = system_.muscles() ? system_.muscles()->tensions() : std::vector<double>{};
   next.pressure = trial.pressure;
   system_.elasticity().set_pressure(next.pressure);
+  if (WallContact* contact = system_.contact()) {
+    contact->tractions(next.contact_pressure, next.contact_drag);
+    contact->end_increment();
+    next.contact = contact->state();
+  }
 }
 
 }  // namespace glossa

@@ -14,6 +14,7 @@ enum class Status {
   iteration_limit,  ///< the allowed iterations were used up
   stalled,          ///< no step along the search direction reduced the energy, or no time step was short enough
   inverted,         ///< the start is inverted, or every step would invert a hexahedron
+  penetrated,       ///< the start lies deep behind a wall, or every step would end there
   indefinite,       ///< the tangent could not be made positive definite
   interrupted,      ///< stopped from outside (Ctrl-C)
 };
@@ -28,6 +29,8 @@ enum class Status {
       return "stalled";
     case Status::inverted:
       return "inverted";
+    case Status::penetrated:
+      return "penetrated";
     case Status::indefinite:
       return "indefinite";
     case Status::interrupted:
@@ -43,16 +46,19 @@ struct Report {
   int quasi_newton = 0;  ///< residual + solve pairs with a frozen factor
   int residuals = 0;     ///< residual evaluations
   int factorisations = 0;
-  int indefinite = 0;           ///< tangents that needed a cure
-  int line_search = 0;          ///< steps cut back
-  int steps = 0;                ///< accepted time steps
-  int rejected = 0;             ///< time steps rejected for accuracy
-  int rescued = 0;              ///< time steps that needed a fresh factor, a shorter step or backward Euler
-  double residual = 0.0;        ///< N, 2-norm over the free components
-  double force_scale = 0.0;     ///< N, to which the tolerance refers
-  double least_jacobian = 1.0;  ///< smallest J at any Gauss point of the result
-  Index worst_element = -1;     ///< where that is
-  double error_estimate = 0.0;  ///< m, largest estimated local error of the accepted time steps
+  int indefinite = 0;              ///< tangents that needed a cure
+  int line_search = 0;             ///< steps cut back
+  int steps = 0;                   ///< accepted time steps
+  int rejected = 0;                ///< time steps rejected for accuracy
+  int rescued = 0;                 ///< time steps that needed a fresh factor, a shorter step or backward Euler
+  double residual = 0.0;           ///< N, 2-norm over the free components
+  double force_scale = 0.0;        ///< N, to which the tolerance refers
+  double least_jacobian = 1.0;     ///< smallest J at any Gauss point of the result
+  Index worst_element = -1;        ///< where that is
+  int contact_updates = 0;         ///< updates of the multipliers of contact
+  double penetration = 0.0;        ///< m, deepest penetration of a wall (statics: of the result; dynamics: at any step)
+  double contact_violation = 0.0;  ///< m, largest distance from the laws of contact and friction, likewise
+  double error_estimate = 0.0;     ///< m, largest estimated local error of the accepted time steps
   std::vector<double> residuals_by_iteration;
   Seconds seconds;
 };

@@ -1,6 +1,6 @@
 """Types of the C++ extension. Arrays that are returned belong to the caller."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 _Reals: TypeAlias = NDArray[np.float64]
 _Ints: TypeAlias = NDArray[np.int32]
 _Bytes: TypeAlias = NDArray[np.uint8]
-_Status: TypeAlias = Literal["converged", "iteration_limit", "stalled", "inverted", "indefinite", "interrupted"]
+_Status: TypeAlias = Literal[
+    "converged", "iteration_limit", "stalled", "inverted", "penetrated", "indefinite", "interrupted"
+]
 _Integrator: TypeAlias = Literal["SDIRK2", "BDF2", "backward_euler", "trapezoidal"]
 
 __version__: str
@@ -33,6 +35,12 @@ class Report:
     def indefinite(self) -> int: ...
     @property
     def line_search(self) -> int: ...
+    @property
+    def contact_updates(self) -> int: ...
+    @property
+    def penetration(self) -> float: ...
+    @property
+    def contact_violation(self) -> float: ...
     @property
     def steps(self) -> int: ...
     @property
@@ -69,6 +77,10 @@ class Equilibrium:
     def activation(self) -> _Reals: ...
     @property
     def tension(self) -> _Reals: ...
+    @property
+    def contact_pressure(self) -> _Reals: ...
+    @property
+    def contact_drag(self) -> _Reals: ...
 
 class Solver:
     def __init__(
@@ -89,6 +101,8 @@ class Solver:
         reflex: tuple[float, float] | None,
         damping: tuple[float, float],
         gravity: tuple[float, float, float] | None,
+        contact: Mapping[str, Any] | None,
+        bone: Mapping[str, Any] | None,
         free: _Bytes,
         threads: int,
     ) -> None: ...
@@ -101,7 +115,10 @@ class Solver:
         target: _Reals,
         free: _Bytes,
         load: _Reals | None = None,
+        wall_start: _Reals | None = None,
+        wall_shift: _Reals | None = None,
         tolerance: float = 1e-8,
+        gap_tolerance: float = 4.5e-5,
         max_iterations: int = 150,
         quasi_newton: bool = True,
     ) -> Equilibrium: ...
@@ -120,6 +137,9 @@ class Simulation:
         fractions: _Reals,
         positions: _Reals,
         pressure: _Reals | None = None,
+        contact_pressure: _Reals | None = None,
+        contact_drag: _Reals | None = None,
+        wall_shift: _Reals | None = None,
         time: float = 0.0,
         max_step: float = 2e-3,
         error_tolerance: float = 0.0,
@@ -127,7 +147,7 @@ class Simulation:
         integrator: _Integrator | str = "SDIRK2",
     ) -> None: ...
     def step(self, dt: float) -> _Status: ...
-    def solve(self, until: float) -> tuple[_Status, _Reals, _Reals, _Reals, _Reals, _Reals]: ...
+    def solve(self, until: float) -> tuple[_Status, _Reals, _Reals, _Reals, _Reals, _Reals, _Reals, _Reals]: ...
     @property
     def time(self) -> float: ...
     @property
@@ -140,6 +160,10 @@ class Simulation:
     def activation(self) -> _Reals: ...
     @property
     def tension(self) -> _Reals: ...
+    @property
+    def contact_pressure(self) -> _Reals: ...
+    @property
+    def contact_drag(self) -> _Reals: ...
     @property
     def kinetic_energy(self) -> float: ...
     @property
@@ -161,3 +185,27 @@ class Pieces:
     def factor_entries(self) -> float: ...
     @property
     def factor_flops(self) -> float: ...
+
+class DistanceField:
+    def __init__(
+        self,
+        vertices: _Reals,
+        triangles: _Ints,
+        *,
+        low: Sequence[float] | _Reals,
+        high: Sequence[float] | _Reals,
+        spacing: float = 1e-3,
+        band: float = 6e-3,
+        threads: int = 1,
+    ) -> None: ...
+    def distance(self, points: _Reals) -> _Reals: ...
+    def evaluate(self, points: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
+    @property
+    def spacing(self) -> float: ...
+    @property
+    def band(self) -> float: ...
+    @property
+    def geometric_error(self) -> float: ...
+
+def nearest_features(vertices: _Reals, triangles: _Ints, points: _Reals) -> tuple[_Reals, _Ints, _Bytes, _Ints]: ...
+def rim_loops(vertices: _Reals, triangles: _Ints) -> list[tuple[_Reals, int, bool]]: ...

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,8 +13,11 @@ from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
 from glossa.anatomy.mirror import HalfBody, half_body, mirror_pairs
 from glossa.anatomy.muscle_topology import capacity_shares, pass_table, stiffening_gain
 from glossa.anatomy.speaker import Speaker
+from glossa.contact import Contact
+from glossa.contact_points import ContactCourse, ContactPoints
 from glossa.effects import Stiffening
 from glossa.errors import InputError
+from glossa.hyoid_motion import HyoidCourse, HyoidNodes, HyoidPose
 
 SYMMETRY_TOLERANCE = 1e-9
 """Relative size of an asymmetry that counts as rounding."""
@@ -83,17 +86,36 @@ def gather_fibres(speaker: Speaker, stiffening: Stiffening | None, saturation: f
 
 
 class Body:
-    """A speaker, or its half y >= 0, in the numbering of the core, and the way back."""
+    """A speaker, or its half y >= 0, in the numbering of the core, and the way back.
 
-    def __init__(self, speaker: Speaker, fibres: Fibres, *, mirror: bool) -> None:
+    A mobile hyoid adds nodes at the end (:class:`HyoidNodes`), which only the core sees.
+    """
+
+    def __init__(
+        self, speaker: Speaker, fibres: Fibres, *, mirror: bool, mobile_hyoid: bool, contact: ContactPoints | None
+    ) -> None:
         self.speaker = speaker
         self.fibres = fibres
         self.half: HalfBody | None = half_body(speaker) if mirror else None
-
-    @property
-    def nodes(self) -> FloatArray:
-        """(k, 3) rest positions, m."""
-        return self.speaker.nodes if self.half is None else self.half.nodes
+        own = speaker.nodes if self.half is None else self.half.nodes
+        self._count = len(own)
+        self.hyoid: HyoidNodes | None = None
+        if mobile_hyoid and speaker.hyoid is not None:
+            tied = np.sort(speaker.node_sets["hyoid"])
+            if self.half is not None:
+                tied = np.unique(self.half.node_index[tied])
+            self.hyoid = HyoidNodes(speaker.hyoid, own, tied.astype(np.int32), mirror=mirror)
+        self.nodes: FloatArray = own if self.hyoid is None else np.concatenate([own, self.hyoid.nodes])
+        self.contact = contact
+        if contact is not None:
+            self._rows: IntArray
+            self._place: IntArray
+            self._image: BoolArray
+            if self.half is None:
+                self._rows = self._place = np.arange(len(contact.wall), dtype=np.int32)
+                self._image = np.zeros(len(contact.wall), dtype=bool)
+            else:
+                self._rows, self._place, self._image = contact.halves(speaker.nodes)
 
     @property
     def hexahedra(self) -> IntArray:
@@ -169,8 +191,12 @@ class Body:
 
     # Between the speaker and the body
 
-    def restrict(self, field: FloatArray, what: str) -> FloatArray:
-        """Vectors or positions (n, 3) of the speaker on the body; refuses asymmetry in a half body."""
+    def restrict_positions(self, positions: FloatArray, what: str) -> FloatArray:
+        """Positions (n, 3) of the speaker on the body; refuses asymmetry in a half body."""
+        own = self._restrict(positions, what)
+        return own if self.hyoid is None else self.hyoid.appended(own)
+
+    def _restrict(self, field: FloatArray, what: str) -> FloatArray:
         if self.half is None:
             return np.ascontiguousarray(field)
         image = field[self._pairs] * np.array([1.0, -1.0, 1.0])
@@ -184,29 +210,35 @@ class Body:
 
     def restrict_forces(self, forces: FloatArray, what: str) -> FloatArray:
         """As :meth:`restrict` for nodal forces: a node of the midplane carries half on each side."""
-        result = self.restrict(forces, what).copy()
+        result = self._restrict(forces, what).copy()
         if self.half is not None:
             result[self.half.midplane] *= 0.5
-        return result
+        return np.asarray(self._with_rows(result))
+
+    def _with_rows(self, values: FloatArray | BoolArray) -> Any:
+        """Zeros at the extra nodes."""
+        extra = np.zeros((len(self.nodes) - self._count, 3), dtype=values.dtype)
+        return np.concatenate([values, extra]) if len(extra) else values
 
     def restrict_mask(self, mask: BoolArray, what: str) -> BoolArray:
         """(n, 3) flags of the speaker on the body; refuses asymmetry in a half body."""
         if self.half is None:
-            return mask
+            return np.asarray(self._with_rows(mask))
         wrong = np.flatnonzero((mask[self._pairs] != mask).any(axis=1))
         if len(wrong):
             raise InputError(f"{what} is not mirror symmetric about y = 0 (node {wrong[0]}); use mirror=False for it")
-        return np.ascontiguousarray(mask[self.half.kept_nodes])
+        return np.asarray(self._with_rows(mask[self.half.kept_nodes]))
 
     def expand(self, field: FloatArray) -> FloatArray:
         """(n, 3) positions or velocities of the speaker."""
-        return np.array(field) if self.half is None else self.half.expand(field)
+        own = field[: self._count]
+        return np.array(own) if self.half is None else self.half.expand(own)
 
     def expand_forces(self, forces: FloatArray) -> FloatArray:
         """(n, 3) nodal forces of the speaker."""
+        whole = np.array(forces[: self._count])
         if self.half is None:
-            return np.array(forces)
-        whole = np.array(forces)
+            return whole
         whole[self.half.midplane] *= [2.0, 0.0, 2.0]
         return self.half.expand(whole)
 
@@ -226,12 +258,63 @@ class Body:
         """(h,) values of the body's hexahedra."""
         return values if self.half is None else np.ascontiguousarray(values[self.half.kept_elements])
 
-    def held_by_symmetry(self) -> BoolArray:
-        """(k, 3) components that the mirror plane holds."""
-        held = np.zeros((len(self.nodes), 3), dtype=bool)
+    def free_components(self, held: BoolArray) -> BoolArray:
+        """(k, 3) unknown components of the body, given what the scene holds (n, 3): not those of tied nodes."""
+        free = ~self.restrict_mask(held, "fixed")
         if self.half is not None:
-            held[self.half.midplane, 1] = True
-        return held
+            free[: self._count][self.half.midplane, 1] = False
+        if self.hyoid is not None:
+            free[self.hyoid.core["tied"]] = False
+            free[self._count :] = self.hyoid.free
+        return free
+
+    # Hyoid and contact
+
+    def hyoid_pose(self, positions: FloatArray) -> HyoidPose | None:
+        """Pose of a mobile hyoid in positions of the body."""
+        return None if self.hyoid is None else self.hyoid.pose(positions)
+
+    def core_contact(self, friction: float) -> dict[str, Any] | None:
+        """Arrays for the core's constructor."""
+        return None if self.contact is None else self.contact.core(self._rows, self.half, friction)
+
+    def restrict_contact(self, contact: Contact | None) -> tuple[FloatArray | None, FloatArray | None]:
+        """Pressures and drags to start from, of the body's contact points; None where they do not fit."""
+        if self.contact is None or contact is None or not np.array_equal(contact.wall, self.contact.wall):
+            return None, None
+        return contact.pressures[self._rows], contact.drags[self._rows]
+
+    def expand_contact(
+        self, positions: FloatArray, pressures: FloatArray, drags: FloatArray, shifts: Mapping[str, FloatArray]
+    ) -> Contact | None:
+        """Contact of the speaker at its node positions (n, 3), from values of the body's contact points."""
+        if self.contact is None:
+            return None
+        return self.contact.contact(positions, pressures[self._place], self._whole_drags(drags), shifts)
+
+    def _whole_drags(self, drags: FloatArray) -> FloatArray:
+        whole = np.array(drags[..., self._place, :])
+        whole[..., self._image, 1] *= -1.0
+        return whole
+
+    def contact_course(
+        self, pressures: FloatArray, drags: FloatArray, shifts: Mapping[str, FloatArray]
+    ) -> ContactCourse | None:
+        """Contact of the speaker over time, from values (t, …) of the body's contact points."""
+        if self.contact is None:
+            return None
+        return ContactCourse(self.contact, pressures[:, self._place], self._whole_drags(drags), shifts)
+
+    def hyoid_course(self, frames: Sequence[FloatArray]) -> HyoidCourse | None:
+        """Pose of a mobile hyoid in each of the body's position frames."""
+        if self.hyoid is None:
+            return None
+        poses = [self.hyoid.pose(frame) for frame in frames]
+        return HyoidCourse(
+            np.array([pose.displacement for pose in poses]),
+            np.array([pose.rotation for pose in poses]),
+            poses[0].centre,
+        )
 
 
 def _flat(lists: Sequence[IntArray]) -> IntArray:

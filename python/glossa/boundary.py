@@ -32,6 +32,34 @@ def _vectors(value: Any, what: str) -> tuple[FloatArray, BoolArray]:
     return numbers, given
 
 
+WALL = "wall:"
+"""What a key of ``prescribed`` begins with that names a wall."""
+
+
+def wall_displacements(speaker: Speaker, prescribed: Any) -> tuple[dict[str, FloatArray], dict[str, Any]]:
+    """The displacements of walls (3,) in m among what is prescribed, and the rest of it.
+
+    Raises:
+        InputError: not a mapping, an unknown wall, or not three finite numbers.
+    """
+    if not isinstance(prescribed, Mapping):
+        raise InputError(f"prescribed must map node sets to displacements, got {type(prescribed).__name__}")
+    walls: dict[str, FloatArray] = {}
+    others: dict[str, Any] = {}
+    for key, value in prescribed.items():
+        if not (isinstance(key, str) and key.startswith(WALL)):
+            others[key] = value
+            continue
+        name = key.removeprefix(WALL)
+        if name not in speaker.walls:
+            raise InputError(f"prescribed: no wall {name!r}; this speaker has {', '.join(speaker.walls) or 'none'}")
+        numbers, given = _vectors(value, f"prescribed displacement of wall {name!r}")
+        if numbers.shape != (3,) or not given.all():
+            raise InputError(f"prescribed displacement of wall {name!r}: expected three numbers in m, got {value!r}")
+        walls[name] = numbers
+    return walls, others
+
+
 def prescribed_positions(speaker: Speaker, prescribed: Mapping[str, Any]) -> tuple[BoolArray, FloatArray]:
     """Which components are prescribed (n, 3), and their positions (n, 3) in m.
 
@@ -40,8 +68,6 @@ def prescribed_positions(speaker: Speaker, prescribed: Mapping[str, Any]) -> tup
     """
     held = np.zeros(speaker.nodes.shape, dtype=bool)
     target = np.array(speaker.nodes)
-    if not isinstance(prescribed, Mapping):
-        raise InputError(f"prescribed must map node sets to displacements, got {type(prescribed).__name__}")
     for name, value in prescribed.items():
         nodes = _nodes(speaker, name, "prescribed")
         numbers, given = _vectors(value, f"prescribed displacement of {name!r}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,10 @@ import xarray as xr
 
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.speaker import Speaker
+from glossa.contact import Contact
+from glossa.contact_points import ContactCourse, contact_points
 from glossa.errors import InputError
+from glossa.hyoid_motion import HyoidCourse, HyoidPose
 from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 
@@ -29,7 +32,8 @@ class SolveReport:
 
     Attributes:
         converged: the residual is within tolerance; for a movement, every step was.
-        status: name of the exit status: converged, iteration_limit, stalled, inverted, indefinite, interrupted.
+        status: name of the exit status: converged, iteration_limit, stalled, inverted, penetrated, indefinite,
+            interrupted.
         iterations: Newton iterations (posture) or stages solved (movement).
         quasi_newton: iterations with a frozen factor.
         residuals: residual evaluations.
@@ -41,6 +45,8 @@ class SolveReport:
         residual: N, 2-norm over the free components; force_scale: N, what the tolerance refers to.
         least_jacobian: smallest J at any Gauss point; worst_element: its hexahedron in the body that was computed.
         error_estimate: largest estimated local error of a time step, m.
+        contact_updates: updates of the contact multipliers; penetration: deepest penetration of a wall, m;
+            contact_violation: largest distance from the laws of contact and friction, m (posture).
         residuals_by_iteration: N, at the start of each Newton iteration.
         seconds: by part of the work, and "total".
     """
@@ -61,6 +67,9 @@ class SolveReport:
     least_jacobian: float
     worst_element: int
     error_estimate: float
+    contact_updates: int
+    penetration: float
+    contact_violation: float
     residuals_by_iteration: tuple[float, ...]
     seconds: Mapping[str, float]
 
@@ -74,6 +83,18 @@ class SolveReport:
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         return asdict(self)
+
+
+CONTACT_ARRAYS = {
+    "wall": "1",
+    "points": "m",
+    "areas": "m2",
+    "gaps": "m",
+    "pressures": "Pa",
+    "directions": "1",
+    "drags": "Pa",
+}
+"""Arrays of :class:`Contact` in a posture file, and their units."""
 
 
 def forces_by_muscle(speaker: Speaker, tensions: FloatArray) -> FloatArray:
@@ -96,9 +117,12 @@ class Posture:
         fibre_forces: (f,) tensions, N.
         pressure: (m,) Pa, positive in dilatation.
         stiffening: (m,) factor of eq. 1.
-        support_forces: (n, 3) N, force of the supports on the body where nodes are held; 0 elsewhere. None where it was
-            not computed (a moment of a movement).
+        support_forces: (n, 3) N, force of the supports, a mobile hyoid among them, on the body where nodes are
+            attached; 0 elsewhere. None where it was not computed (a moment of a movement).
         report: how it was found.
+        contact: what touches which wall; None in a scene without contact.
+        hyoid: pose of a mobile hyoid; None where it does not move.
+        wall_displacements: (3,) m by wall, for walls that were displaced.
         time: s, for a moment of a movement.
     """
 
@@ -111,6 +135,9 @@ class Posture:
     stiffening: FloatArray | None
     support_forces: FloatArray | None
     report: SolveReport | None
+    contact: Contact | None = None
+    hyoid: HyoidPose | None = None
+    wall_displacements: Mapping[str, FloatArray] = field(default_factory=dict)
     time: float | None = None
 
     @property
@@ -123,11 +150,6 @@ class Posture:
         """Force of each muscle: the sum of the tensions of its fibres, N (as Table II)."""
         values = forces_by_muscle(self.speaker, self.fibre_forces)
         return pd.Series(values, index=list(self.speaker.muscles), name="force_N", dtype=float)
-
-    @property
-    def contact(self) -> None:
-        """Contact results; None: no wall is felt in this scene."""
-        return None
 
     def fibre_slice(self, muscle: str) -> slice:
         """Where a muscle's fibres lie in the fibre arrays.
@@ -193,12 +215,24 @@ class Posture:
                 variables[name] = ((dimension,), values, {"units": units})
         if self.support_forces is not None:
             variables["support_forces"] = (("node", "axis"), self.support_forces, {"units": "N"})
+        if self.contact is not None:
+            variables |= {
+                f"contact_{name}": (("contact_point", "axis")[: values.ndim], values, {"units": units})
+                for name, units in CONTACT_ARRAYS.items()
+                for values in [getattr(self.contact, name)]
+            }
+        if self.hyoid is not None:
+            variables["hyoid_displacement"] = (("axis",), self.hyoid.displacement, {"units": "m"})
+            variables["hyoid_rotation"] = (("axis",), self.hyoid.rotation, {"units": "rad"})
+            variables["hyoid_centre"] = (("axis",), self.hyoid.centre, {"units": "m"})
         attributes: dict[str, Any] = {
             "glossa": "posture",
             "speaker": self.speaker.name,
             "speaker_fingerprint": self.speaker.fingerprint,
             "commands": json.dumps(None if self.commands is None else dict(self.commands)),
             "report": json.dumps(None if self.report is None else self.report.as_dict()),
+            "walls": json.dumps([] if self.contact is None else self.contact.walls),
+            "wall_displacements": json.dumps({k: list(v) for k, v in self.wall_displacements.items()}),
         }
         if self.time is not None:
             attributes["time_s"] = self.time
@@ -218,6 +252,13 @@ class Posture:
         if report is not None:
             report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
         optional = {name: data[name].values if name in data else None for name in ("pressure", "stiffening")}
+        contact = hyoid = None
+        if "contact_wall" in data:
+            arrays = {name: data[f"contact_{name}"].values for name in CONTACT_ARRAYS}
+            contact = Contact(walls=tuple(json.loads(data.attrs["walls"])), **arrays)
+        if "hyoid_displacement" in data:
+            hyoid = HyoidPose(*(data[f"hyoid_{name}"].values for name in ("displacement", "rotation", "centre")))
+        shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
         return cls(
             speaker=speaker,
             commands=None if commands is None else MotorCommands(commands),
@@ -226,6 +267,9 @@ class Posture:
             fibre_forces=data["fibre_forces"].values,
             support_forces=data["support_forces"].values if "support_forces" in data else None,
             report=None if report is None else SolveReport(**report),
+            contact=contact,
+            hyoid=hyoid,
+            wall_displacements={name: np.array(shift) for name, shift in shifts.items()},
             time=float(data.attrs["time_s"]) if "time_s" in data.attrs else None,
             **optional,
         )
@@ -243,6 +287,8 @@ class Movement:
         activations: (t, f) m.
         fibre_forces: (t, f) N.
         report: how it was found.
+        contact: contact over time; None in a scene without.
+        hyoid: pose of a mobile hyoid over time; None where it does not move.
         schedule: motor commands over time; None for a movement read from a file.
     """
 
@@ -253,6 +299,8 @@ class Movement:
     activations: FloatArray
     fibre_forces: FloatArray
     report: SolveReport
+    contact: ContactCourse | None = None
+    hyoid: HyoidCourse | None = None
     schedule: Schedule | None = None
 
     @property
@@ -293,12 +341,24 @@ class Movement:
             pressure=None,
             stiffening=None,
             support_forces=None,
+            contact=None if self.contact is None else self.contact.between(positions, k, after, x),
+            hyoid=None if self.hyoid is None else self.hyoid.between(k, after, x),
+            wall_displacements={} if self.contact is None else self.contact.wall_displacements,
             report=self.report,
             time=float(time),
         )
 
     def to_xarray(self) -> xr.Dataset:
-        """Dataset with dimensions time, node, axis, muscle and fibre; units in the attributes."""
+        """Dataset with dimensions time, node, axis, muscle, fibre and contact_point; units in the attributes."""
+        extra: dict[str, Any] = {}
+        if self.contact is not None:
+            extra["contact_pressures"] = (("time", "contact_point"), self.contact.pressures, {"units": "Pa"})
+            extra["contact_drags"] = (("time", "contact_point", "axis"), self.contact.drags, {"units": "Pa"})
+            extra["held_nodes"] = (("held",), self.contact.points.held)
+        if self.hyoid is not None:
+            extra["hyoid_displacements"] = (("time", "axis"), self.hyoid.displacements, {"units": "m"})
+            extra["hyoid_rotations"] = (("time", "axis"), self.hyoid.rotations, {"units": "rad"})
+            extra["hyoid_centre"] = (("axis",), self.hyoid.centre, {"units": "m"})
         return xr.Dataset(
             {
                 "positions": (("time", "node", "axis"), self.positions, {"units": "m"}),
@@ -306,6 +366,7 @@ class Movement:
                 "forces": (("time", "muscle"), self.forces.to_numpy(), {"units": "N"}),
                 "activations": (("time", "fibre"), self.activations, {"units": "m"}),
                 "fibre_forces": (("time", "fibre"), self.fibre_forces, {"units": "N"}),
+                **extra,
             },
             coords={
                 "time": ("time", self.times, {"units": "s"}),
@@ -317,6 +378,11 @@ class Movement:
                 "speaker": self.speaker.name,
                 "speaker_fingerprint": self.speaker.fingerprint,
                 "report": json.dumps(self.report.as_dict()),
+                "wall_displacements": json.dumps(
+                    {}
+                    if self.contact is None
+                    else {name: list(shift) for name, shift in self.contact.wall_displacements.items()}
+                ),
             },
         )
 
@@ -335,6 +401,20 @@ class Movement:
         data = read_dataset(path, "movement", speaker)
         report = json.loads(data.attrs["report"])
         report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
+        contact = hyoid = None
+        if "contact_pressures" in data:
+            held = np.zeros(len(speaker.nodes), dtype=bool)
+            held[data["held_nodes"].values] = True
+            points = contact_points(speaker, held, mirror=False)
+            shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
+            contact = ContactCourse(
+                points,
+                data["contact_pressures"].values,
+                data["contact_drags"].values,
+                {name: np.array(shift) for name, shift in shifts.items()},
+            )
+        if "hyoid_displacements" in data:
+            hyoid = HyoidCourse(*(data[f"hyoid_{name}"].values for name in ("displacements", "rotations", "centre")))
         return cls(
             speaker=speaker,
             times=data["time"].values,
@@ -343,6 +423,8 @@ class Movement:
             activations=data["activations"].values,
             fibre_forces=data["fibre_forces"].values,
             report=SolveReport(**report),
+            contact=contact,
+            hyoid=hyoid,
         )
 
 

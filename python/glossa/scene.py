@@ -15,8 +15,9 @@ from glossa import _core
 from glossa.anatomy.arrays import BoolArray, FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body, gather_fibres
-from glossa.boundary import nodal_loads, prescribed_positions
+from glossa.boundary import nodal_loads, prescribed_positions, wall_displacements
 from glossa.checks import finite_number, flag, instance, one_of, positive_number, whole_number
+from glossa.contact_points import ContactPoints, contact_points
 from glossa.effects import (
     DEFAULT,
     FIRING_GRADIENT,
@@ -28,6 +29,7 @@ from glossa.effects import (
     gravity_vector,
 )
 from glossa.errors import InputError, SolveError, SolveInterrupted
+from glossa.hyoid_motion import check_mobile_hyoid
 from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
@@ -38,6 +40,9 @@ log = logging.getLogger(__name__)
 STATIC_TOLERANCE = {"draft": 1e-5, "standard": 1e-8, "reference": 1e-11}
 """Residual over force scale at which an equilibrium counts as converged, by accuracy."""
 
+GAP_TOLERANCE = {"draft": 5e-5, "standard": 5e-5, "reference": 2e-5}
+"""Deepest penetration of a wall in an equilibrium, m, by accuracy."""
+
 
 class Scene:
     """A speaker and the effects that act on it. An effect is off when its argument is None or False, and then free.
@@ -45,11 +50,11 @@ class Scene:
     Args:
         speaker: any body of hexahedra with its muscles.
         gravity: "upright" (-z), "supine" (+x), a vector in m/s2, or None.
-        contact: contact with the speaker's walls. This version computes none: True is refused; left alone, the scene
-            has none and says so in :attr:`notes`.
-        friction: Coulomb coefficient of contact; without meaning where there is no contact.
-        hyoid: "fixed" holds the node set "hyoid"; "mobile" is refused by this version; left alone, it is fixed and
-            :attr:`notes` says so.
+        contact: contact with the speaker's walls, on the faces that :attr:`Speaker.contact_faces` names for each, or
+            on the whole free surface where it names none. Left alone: if the speaker has walls.
+        friction: Coulomb coefficient of contact; 0 or None for none, which is cheaper.
+        hyoid: "mobile": the node set "hyoid" moves with the bone, which hangs on its springs; "fixed" holds it. Left
+            alone: mobile if the speaker has a hyoid, else fixed if it has the node set.
         stiffening: eq. 1; True for its defaults, or :class:`Stiffening`.
         reflex: eq. 2 with delay and rate; None: the activation follows the length at once, without rate.
         force_velocity: eq. 5.
@@ -98,8 +103,10 @@ class Scene:
         self.firing_gradient = positive_number(firing_gradient, "firing gradient")
         self.threads = whole_number(threads, "threads", 1, 256)
         self.notes = tuple[str, ...]()
-        self._check_walls(contact, friction)
-        self.fixed = self._held_sets(fixed, hyoid)
+        self.contact = self._with_contact(contact)
+        self.friction = _friction(friction)
+        self.hyoid = self._hyoid_mode(hyoid)
+        self.fixed = self._held_sets(fixed)
         if self.notes:
             log.info("%s: %s", speaker.name or "scene", "; ".join(self.notes))
         self._seconds: Mapping[str, float] | None = None
@@ -110,16 +117,29 @@ class Scene:
     def _note(self, text: str) -> None:
         self.notes = (*self.notes, text)
 
-    def _check_walls(self, contact: bool | Default, friction: float | None) -> None:
-        if contact is not DEFAULT and flag(contact, "contact"):
-            missing = "" if self.speaker.walls else "this speaker has no walls, and "
-            raise InputError(f"contact=True: {missing}this version computes no wall contact; use contact=False")
-        if friction is not None and not 0.0 <= finite_number(friction, "friction") <= 10.0:
-            raise InputError(f"friction must lie between 0 and 10, got {friction!r}")
-        if contact is DEFAULT:
-            self._note("no wall contact: this version computes none")
+    def _with_contact(self, contact: bool | Default) -> bool:
+        if contact is not DEFAULT:
+            if flag(contact, "contact") and not self.speaker.walls:
+                raise InputError("contact=True: this speaker has no walls; use contact=False or give it walls")
+            return bool(contact)
+        if not self.speaker.walls:
+            self._note("no wall contact: the speaker has no walls")
+        return bool(self.speaker.walls)
 
-    def _held_sets(self, fixed: Sequence[str] | Default, hyoid: str | Default) -> tuple[str, ...]:
+    def _hyoid_mode(self, hyoid: str | Default) -> str | None:
+        """Either "mobile" or "fixed", or None where there is none."""
+        attached, bone = "hyoid" in self.speaker.node_sets, self.speaker.hyoid is not None
+        if isinstance(hyoid, Default):
+            if attached and not bone:
+                self._note("the hyoid is fixed: the speaker has the node set but no bone that could move")
+            return ("mobile" if bone else "fixed") if attached else None
+        if one_of(hyoid, ("mobile", "fixed"), "hyoid") == "mobile" and not bone:
+            raise InputError("hyoid='mobile': this speaker has no hyoid bone; use hyoid='fixed' or give it one")
+        if not attached:
+            raise InputError(f"hyoid={hyoid!r}: this speaker has no node set 'hyoid'")
+        return hyoid
+
+    def _held_sets(self, fixed: Sequence[str] | Default) -> tuple[str, ...]:
         sets = self.speaker.node_sets
         if isinstance(fixed, Default):
             held = ["jaw"] if "jaw" in sets else []
@@ -129,16 +149,7 @@ class Scene:
             if isinstance(fixed, str):
                 raise InputError(f"fixed must be a sequence of node set names, got the string {fixed!r}")
             held = list(fixed)
-        if isinstance(hyoid, Default):
-            if "hyoid" in sets:
-                self._note("the hyoid is fixed: this version moves none")
-                held.append("hyoid")
-        elif one_of(hyoid, ("mobile", "fixed"), "hyoid") == "mobile":
-            missing = "" if self.speaker.hyoid else "this speaker has no hyoid, and "
-            raise InputError(f"hyoid='mobile': {missing}this version moves none; use hyoid='fixed'")
-        elif "hyoid" not in sets:
-            raise InputError("hyoid='fixed': this speaker has no node set 'hyoid'")
-        else:
+        if self.hyoid == "fixed":
             held.append("hyoid")
         for name in held:
             if name not in sets:
@@ -155,6 +166,9 @@ class Scene:
             "reflex": bool(self.speaker.muscles) and self.reflex is not None,
             "force_velocity": bool(self.speaker.muscles) and self.force_velocity,
             "gravity": self.gravity is not None,
+            "contact": self.contact,
+            "friction": self.contact and self.friction > 0.0,
+            "hyoid": self.hyoid == "mobile",
             "damping": self.damping != Damping(alpha=0.0, beta=0.0),
             "mirror": self.mirror,
         }
@@ -178,17 +192,24 @@ class Scene:
     @cached_property
     def _body(self) -> Body:
         saturation = math.log(2.0) / self.firing_gradient
-        return Body(self.speaker, gather_fibres(self.speaker, self.stiffening, saturation), mirror=self.mirror)
+        if self.hyoid == "mobile":
+            check_mobile_hyoid(self.speaker, self.fixed, mirror=self.mirror)
+        return Body(
+            self.speaker,
+            gather_fibres(self.speaker, self.stiffening, saturation),
+            mirror=self.mirror,
+            mobile_hyoid=self.hyoid == "mobile",
+            contact=self._contact_points,
+        )
+
+    @cached_property
+    def _contact_points(self) -> ContactPoints | None:
+        return contact_points(self.speaker, self._held_nodes, mirror=self.mirror) if self.contact else None
 
     @cached_property
     def _free(self) -> BoolArray:
-        """(k, 3) components of the body that the scene lets move."""
-        held = np.zeros((len(self.speaker.nodes), 3), dtype=bool)
-        for name in self.fixed:
-            held[self.speaker.node_sets[name]] = True
-        held[self.speaker.outside_points] = True
-        free: BoolArray = ~(self._body.restrict_mask(held, "fixed") | self._body.held_by_symmetry())
-        return free
+        """(k, 3) unknown components of the body."""
+        return self._body.free_components(np.repeat(self._held_nodes[:, None], 3, axis=1))
 
     @cached_property
     def _solver(self) -> _core.Solver:
@@ -211,6 +232,8 @@ class Scene:
             reflex=None if self.reflex is None else (self.reflex.delay, self.reflex.velocity_gain),
             damping=(self.damping.alpha, self.damping.beta),
             gravity=gravity,
+            contact=self._body.core_contact(self.friction),
+            bone=None if self._body.hyoid is None else self._body.hyoid.core,
             free=self._free.astype(np.uint8).ravel(),
             threads=self.threads,
         )
@@ -247,9 +270,11 @@ class Scene:
             commands: lambda by muscle; muscles not named are silent; None: no muscle acts.
             start: posture or (n, 3) positions in m to start from; None: rest.
             prescribed: displacement from rest of node sets, (3,) or (k, 3) in m; None as a component leaves it free.
+                "wall:name" displaces a wall, (3,) in m.
             loads: total dead force on node sets, (3,) in N. It is spread as a uniform traction over the boundary faces
                 that lie wholly in the set, or equally over its nodes where there are none.
-            accuracy: "draft", "standard" or "reference": residual below 1e-5, 1e-8 or 1e-11 of the force scale.
+            accuracy: "draft", "standard" or "reference": residual below 1e-5, 1e-8 or 1e-11 of the force scale, and
+                no wall entered deeper than 0.05, 0.05 or 0.02 mm at any contact point.
             max_iterations: Newton iterations after which the solve is given up.
 
         Raises:
@@ -261,23 +286,41 @@ class Scene:
         tolerance = STATIC_TOLERANCE[one_of(accuracy, tuple(STATIC_TOLERANCE), "accuracy")]
         limit = whole_number(max_iterations, "max_iterations", 1, 100_000)
         from_positions, pressure = self._start(start)
-        held, target = prescribed_positions(self.speaker, prescribed or {})
+        walls, sets = wall_displacements(self.speaker, prescribed or {})
+        if walls and not self.contact:
+            raise InputError(f"prescribed: wall {next(iter(walls))!r} moves, but this scene has no contact")
+        held, target = prescribed_positions(self.speaker, sets)
+        if self.hyoid == "mobile" and held[self.speaker.node_sets["hyoid"]].any():
+            raise InputError("prescribed: a node of the mobile hyoid cannot be prescribed; use hyoid='fixed'")
         free = self._free & ~self._body.restrict_mask(held, "prescribed")
         at_rest = np.where(self._held_nodes[:, None], self.speaker.nodes, from_positions)
         targets = np.where(held, target, at_rest)
         load = nodal_loads(self.speaker, loads or {})
+        before = start if isinstance(start, Posture) else None
         solution = self._solver.equilibrate(
             fractions=self._fractions(checked),
-            start=self._body.restrict(from_positions, "start"),
+            start=self._body.restrict_positions(from_positions, "start"),
             pressure=None if pressure is None else self._body.restrict_elements(pressure),
-            target=self._body.restrict(targets, "prescribed"),
+            target=self._body.restrict_positions(targets, "prescribed"),
             free=free.astype(np.uint8).ravel(),
             load=None if load is None else self._body.restrict_forces(load, "loads"),
+            wall_start=self._wall_shift({} if before is None else before.wall_displacements),
+            wall_shift=self._wall_shift(walls),
             tolerance=tolerance,
+            gap_tolerance=GAP_TOLERANCE[accuracy],
             max_iterations=limit,
         )
-        posture = self._posture(solution, checked, free)
+        posture = self._posture(solution, checked, free, walls)
         return self._finished(posture)
+
+    def _wall_shift(self, walls: Mapping[str, FloatArray]) -> FloatArray | None:
+        """(walls, 3) m; None without contact."""
+        if not self.contact:
+            return None
+        for name, shift in walls.items():
+            if self.mirror and shift[1] != 0.0:
+                raise InputError(f"mirror=True: wall {name!r} cannot move sideways, got {shift}")
+        return np.array([walls.get(name, np.zeros(3)) for name in self.speaker.walls])
 
     @cached_property
     def _held_nodes(self) -> BoolArray:
@@ -305,18 +348,24 @@ class Scene:
             raise InputError("start: positions must be finite")
         return positions, None
 
-    def _posture(self, solution: Any, commands: MotorCommands | None, free: BoolArray) -> Posture:
+    def _posture(
+        self, solution: Any, commands: MotorCommands | None, free: BoolArray, walls: Mapping[str, FloatArray]
+    ) -> Posture:
         body = self._body
+        positions = body.expand(solution.positions)
         support = np.where(free, 0.0, solution.force)
         return Posture(
             speaker=self.speaker,
             commands=commands,
-            positions=body.expand(solution.positions),
+            positions=positions,
             activations=body.expand_fibres(solution.activation),
             fibre_forces=body.expand_tensions(solution.tension),
             pressure=body.expand_elements(solution.pressure),
             stiffening=body.expand_elements(solution.stiffening),
             support_forces=body.expand_forces(support),
+            contact=body.expand_contact(positions, solution.contact_pressure, solution.contact_drag, walls),
+            hyoid=body.hyoid_pose(solution.positions),
+            wall_displacements=walls,
             report=SolveReport.from_core(solution.report),
         )
 
@@ -355,6 +404,9 @@ class Scene:
         else:
             planned = Schedule([0.0], [self._commands(schedule) or MotorCommands({})])
         positions, pressure = self._start(initial)
+        before = initial if isinstance(initial, Posture) else None
+        walls = {} if before is None or not self.contact else before.wall_displacements
+        contact_pressure, contact_drag = self._body.restrict_contact(None if before is None else before.contact)
         return Simulation(
             self.speaker,
             self._body,
@@ -362,6 +414,10 @@ class Scene:
             planned,
             positions=positions,
             pressure=pressure,
+            contact_pressure=contact_pressure,
+            contact_drag=contact_drag,
+            wall_displacements=walls,
+            wall_shift=self._wall_shift(walls),
             dt=dt,
             accuracy=accuracy,
             integrator=integrator,
@@ -386,7 +442,7 @@ class Scene:
                 echoes after the reflex delay) are divided equally. Steps beyond 2/3 of the delay are divided further,
                 because the reflex needs the past. None: steps adapt to the accuracy.
             accuracy: "draft", "standard" or "reference", or the tolerated local error of a step in m.
-            initial: posture to start from, at rest; None: rest positions.
+            initial: posture to start from, without velocity; walls stay where it has them; None: rest positions.
             integrator: "SDIRK2", "BDF2", "backward_euler" or "trapezoidal" (the last two for comparison).
 
         Raises:
@@ -400,6 +456,15 @@ class Scene:
         finally:
             self._seconds = simulation.report.seconds
         return movement
+
+
+def _friction(value: float | None) -> float:
+    if value is None:
+        return 0.0
+    friction = finite_number(value, "friction")
+    if not 0.0 <= friction <= 10.0:
+        raise InputError(f"friction must lie between 0 and 10, got {value!r}")
+    return friction
 
 
 def _stiffening(value: bool | Stiffening | None, speaker: Speaker) -> Stiffening | None:

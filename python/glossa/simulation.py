@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,10 @@ class Simulation:
         *,
         positions: FloatArray,
         pressure: FloatArray | None,
+        contact_pressure: FloatArray | None,
+        contact_drag: FloatArray | None,
+        wall_displacements: Mapping[str, FloatArray],
+        wall_shift: FloatArray | None,
         dt: float | None,
         accuracy: str | float,
         integrator: str,
@@ -65,12 +70,16 @@ class Simulation:
         self.speaker = speaker
         self.schedule = schedule
         self._body = body
+        self._walls = wall_displacements
         self._core = _core.Simulation(
             solver,
             times=times,
             fractions=table.ravel(),
-            positions=body.restrict(positions, "initial"),
+            positions=body.restrict_positions(positions, "initial"),
             pressure=None if pressure is None else body.restrict_elements(pressure),
+            contact_pressure=contact_pressure,
+            contact_drag=contact_drag,
+            wall_shift=wall_shift,
             max_step=step,
             error_tolerance=error if dt is None else 0.0,
             tolerance=tolerance,
@@ -111,15 +120,19 @@ class Simulation:
     @property
     def posture(self) -> Posture:
         """The present moment."""
+        core, positions = self._core, self.positions
         return Posture(
             speaker=self.speaker,
             commands=self.schedule.at(max(self.time, 0.0)),
-            positions=self.positions,
+            positions=positions,
             activations=self._body.expand_fibres(self._core.activation),
             fibre_forces=self._body.expand_tensions(self._core.tension),
             pressure=None,
             stiffening=None,
             support_forces=None,
+            contact=self._body.expand_contact(positions, core.contact_pressure, core.contact_drag, self._walls),
+            hyoid=self._body.hyoid_pose(core.positions),
+            wall_displacements=self._walls,
             report=self.report,
             time=self.time,
         )
@@ -131,7 +144,8 @@ class Simulation:
 
     @property
     def potential_energy(self) -> float:
-        """Of tissue and weight, without the muscles, of the body or, mirrored, of its half, J."""
+        """Of tissue, weight, hyoid springs and the penalty of contact, without muscles and friction, of the body or,
+        mirrored, of its half, J."""
         return float(self._core.potential_energy)
 
     def step(self, dt: float) -> float:
@@ -156,14 +170,22 @@ class Simulation:
         """
         core, body = self._core, self._body
         now = (core.time, core.positions, core.velocities, core.activation, core.tension)
-        status, times, positions, velocities, activation, tension = core.solve(finite_number(until, "until"))
+        touch = (core.contact_pressure, core.contact_drag)
+        status, times, positions, velocities, activation, tension, pressure, drag = core.solve(
+            finite_number(until, "until")
+        )
+        frames = (now[1], *positions)
         movement = Movement(
             speaker=self.speaker,
             times=np.concatenate([[now[0]], times]),
-            positions=np.stack([body.expand(frame) for frame in (now[1], *positions)]),
+            positions=np.stack([body.expand(frame) for frame in frames]),
             velocities=np.stack([body.expand(frame) for frame in (now[2], *velocities)]),
             activations=body.expand_fibres(np.concatenate([now[3][None], activation])),
             fibre_forces=body.expand_tensions(np.concatenate([now[4][None], tension])),
+            contact=body.contact_course(
+                np.concatenate([touch[0][None], pressure]), np.concatenate([touch[1][None], drag]), self._walls
+            ),
+            hyoid=body.hyoid_course(frames),
             report=self.report,
             schedule=self.schedule,
         )

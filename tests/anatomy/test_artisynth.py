@@ -23,6 +23,9 @@ ELEMENTS = [
     ([11, 12, 7, 8, 9, 10, 3, 4], 1),  # left-handed on purpose
     ([20, 21, 22, 23, 0, 0, 0, 0], 921),
     ([30, 31, 0, 0, 0, 0, 0, 0], 941),
+    ([8, 5, 6, 7, 0, 0, 0, 0], 911),
+    ([3, 4, 8, 7, 0, 0, 0, 0], 911),  # between the two hexahedra: not free
+    ([4, 3, 2, 1, 0, 0, 0, 0], 912),  # a zone whose wall is missing
 ]
 FIBRES = """! comment
 nb_muscles = 4 ! count
@@ -103,6 +106,8 @@ def test_reads_the_formats(folder: Path) -> None:
     assert speaker.node_sets["jaw"].tolist() == [0, 1, 8, 9]
     assert speaker.contours["dorsum"].tolist() == [7, 6]
     assert speaker.walls["hard_palate"].faces.tolist() == [[0, 1, 2, 3]]
+    assert set(speaker.contact_faces) == {"hard_palate"}
+    assert [sorted(face) for face in speaker.contact_faces["hard_palate"].tolist()] == [[4, 5, 6, 7]]
     assert speaker.hyoid is not None
     (spring,) = speaker.hyoid.springs
     assert spring.on_hyoid.tolist() == [0.0, 0.0, -0.02]
@@ -140,6 +145,10 @@ def test_missing_files(folder: Path, file: str) -> None:
         Speaker.from_artisynth(folder)
 
 
+def _faces(quads: np.ndarray) -> set[tuple[int, ...]]:
+    return {tuple(sorted(quad)) for quad in quads.tolist()}
+
+
 @pytest.mark.skipif("GLOSSA_ARTISYNTH" not in os.environ, reason="GLOSSA_ARTISYNTH names no checkout")
 def test_checkout_gives_the_published_speaker(pb: Speaker) -> None:
     read = Speaker.from_artisynth(os.environ["GLOSSA_ARTISYNTH"])
@@ -153,6 +162,8 @@ def test_checkout_gives_the_published_speaker(pb: Speaker) -> None:
         assert set(read.node_sets[name].tolist()) == set(nodes.tolist())
     for name, wall in pb.walls.items():
         assert read.walls[name].faces.shape == wall.faces.shape
+    for name, faces in pb.contact_faces.items():
+        assert _faces(read.contact_faces[name]) == _faces(faces)
     assert read.hyoid is not None
     assert pb.hyoid is not None
     assert read.hyoid.mass == pytest.approx(pb.hyoid.mass, rel=1e-4)

@@ -46,6 +46,27 @@ def test_surface_as_published(pb: Speaker) -> None:
     assert {tuple(sorted(quad)) for quad in pb.surface_quads.tolist()} == published
 
 
+def test_contact_faces_as_published(pb: Speaker, tmp_path: Path) -> None:
+    data = json.loads((PB_FOLDER / "pb_tongue.json").read_text())
+    assert {name: len(faces) for name, faces in pb.contact_faces.items()} == {
+        "hard_palate": 44,
+        "soft_palate": 36,
+        "mandible": 152,
+    }
+    for name, faces in pb.contact_faces.items():
+        published = data["contact_surface_quads"]["tongue_contact_" + name.replace("_", "")]
+        assert [sorted(face) for face in faces.tolist()] == [sorted(data["surface_quads"][k]) for k in published]
+    for file in PB_FOLDER.glob("*.obj"):
+        shutil.copyfile(file, tmp_path / file.name)
+    zones = data.pop("contact_surface_quads")
+    (tmp_path / "pb_tongue.json").write_text(json.dumps(data))
+    assert dict(Speaker.load(tmp_path).contact_faces) == {}
+    data["contact_surface_quads"] = zones | {"tongue_contact_mandible": [0, 368]}
+    (tmp_path / "pb_tongue.json").write_text(json.dumps(data))
+    with pytest.raises(SpeakerFileError, match="tongue_contact_mandible names face 368 of 368 surface_quads"):
+        Speaker.load(tmp_path)
+
+
 def test_hyoid(pb: Speaker) -> None:
     assert pb.hyoid is not None
     assert pb.hyoid.surface is not None

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glossa.anatomy import Muscle, Speaker
+from glossa.anatomy import Muscle, Speaker, Wall
 from glossa.anatomy.mirror import half_body
 from glossa.anatomy.muscle_topology import largest_fibre_count
 
@@ -25,6 +25,22 @@ def test_block(block: Speaker) -> None:
     assert len(fine.node_sets["line"]) == 5
     assert len(fine.contours["top"]) == 5
     assert (np.diff(fine.nodes[fine.contours["top"], 0]) > 0).all()
+
+
+def test_contact_faces_become_their_children(block: Speaker) -> None:
+    palate = Wall([[0, 0, 0.03], [0, 0.01, 0.03], [0.02, 0, 0.03]], [[0, 1, 2]])
+    top = block.surface_quads[(block.nodes[block.surface_quads, 2] == 0.02).all(axis=1)]
+    parts: dict[str, Any] = {"walls": {"palate": palate}, "contact_faces": {"palate": top[[2, 0, 3]]}}
+    fine = Speaker(block.nodes, block.hexahedra, **parts).refined()
+    faces = fine.contact_faces["palate"]
+    assert len(faces) == 12
+    for parent, children in zip(top[[2, 0, 3]], faces.reshape(3, 4, 4), strict=True):
+        corners = fine.nodes[children]
+        assert corners.min() == pytest.approx(block.nodes[parent].min())
+        areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+        assert np.allclose(areas, [0, 0, 0.005**2], rtol=0, atol=1e-18)
+        for c in range(4):
+            assert parent[c] in children[c]
 
 
 def test_fibres_multiply_in_both_directions(block: Speaker) -> None:
@@ -105,4 +121,8 @@ def test_pb_refined(pb: Speaker) -> None:
         assert fine.fibre_rest_lengths(name).max() <= 1.05 * pb.fibre_rest_lengths(name).max()
     assert set(fine.walls) == set(pb.walls)
     assert fine.hyoid is pb.hyoid
+    boundary = {tuple(face) for face in fine.surface_quads.tolist()}
+    for name, faces in pb.contact_faces.items():
+        assert len(fine.contact_faces[name]) == 4 * len(faces)
+        assert {tuple(face) for face in fine.contact_faces[name].tolist()} <= boundary
     half_body(fine)

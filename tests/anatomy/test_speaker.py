@@ -69,6 +69,40 @@ def test_fingerprint_follows_content(block: Speaker) -> None:
     assert cube(node_sets={"a": [0]}).fingerprint != cube(contours={"a": [0]}).fingerprint
 
 
+def test_contact_faces_are_boundary_faces_turned_outwards() -> None:
+    palate = {"palate": Wall(CUBE, [[0, 1, 2]]), "jaw": Wall(CUBE, [[0, 1, 2]])}
+    plain, named = cube(walls=palate), cube(walls=palate, contact_faces={"palate": [[5, 4, 6, 7], [0, 1, 2, 3]]})
+    assert dict(plain.contact_faces) == {}
+    assert set(named.contact_faces) == {"palate"}
+    assert named.contact_faces["palate"].tolist() == [[4, 5, 6, 7], [0, 3, 2, 1]]
+    assert named.fingerprint != plain.fingerprint
+    assert cube(walls=palate, contact_faces={}).fingerprint == plain.fingerprint
+    copy = pickle.loads(pickle.dumps(named))
+    assert copy.fingerprint == named.fingerprint
+    assert "contact faces: palate (2)" in named.summary()
+    with pytest.raises(ValueError, match="read-only"):
+        named.contact_faces["palate"][0] = 0
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        ([1], "contact_faces must be a mapping"),
+        ({"velum": [[4, 5, 6, 7]]}, "there is no wall 'velum'; this speaker has palate"),
+        ({"palate": [[4, 5, 6]]}, r"contact faces of wall 'palate': expected shape \(n, 4\)"),
+        ({"palate": [[4, 5, 6, 7], [0, 1, 2, 8]]}, "of wall 'palate', face 1 names node 8, but there are 8 nodes"),
+        (
+            {"palate": [[4, 5, 6, 7], [0, 1, 6, 7]]},
+            r"face 1: the nodes \[0, 1, 6, 7\] are not the corners of a",
+        ),
+        ({"palate": [[4, 5, 6, 7], [0, 1, 2, 3], [6, 7, 5, 4]]}, "faces 0 and 2 are the same"),
+    ],
+)
+def test_bad_contact_faces(faces: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        cube(walls={"palate": Wall(CUBE, [[0, 1, 2]])}, contact_faces=faces)
+
+
 def test_summary_names_the_parts(block: Speaker) -> None:
     text = block.summary()
     assert "27 nodes" in text

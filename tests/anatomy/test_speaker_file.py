@@ -28,6 +28,7 @@ def full_speaker(scale: float = 1.0, name: str = "cube") -> Speaker:
         hyoid=Hyoid(wall, 0.0068, [0.1, 0.2, scale], (Spring([0, 0, 0], [1, 1, 1], 220.0, name="ligament"),)),
         contours={"dorsum": [4, 5, 6]},
         name=name,
+        contact_faces={"palate": [[4, 5, 6, 7]]},
     )
 
 
@@ -42,6 +43,15 @@ def test_round_trip_is_exact(tmp_path_factory: pytest.TempPathFactory, scale: fl
     assert np.array_equal(copy.nodes, speaker.nodes)
     assert copy.muscles["m"].fibres_per_element == 4
     assert copy.muscles["n"].fibres_per_element is None
+
+
+def test_file_without_contact_faces(tmp_path: Path) -> None:
+    path = tmp_path / "speaker.json"
+    full_speaker().save(path)
+    document = json.loads(path.read_text())
+    assert document.pop("contact_faces") == {"palate": [[4, 5, 6, 7]]}
+    path.write_text(json.dumps(document))
+    assert dict(Speaker.load(path).contact_faces) == {}
 
 
 def test_reference_round_trip(tmp_path: Path, reference: Speaker) -> None:
@@ -116,6 +126,8 @@ def test_foreign(tmp_path: Path, content: bytes, message: str) -> None:
         (("hyoid", "springs"), 1, "hyoid: 'springs' must be a list"),
         (("hyoid", "springs"), [{}], "hyoid spring 0 lacks the entry 'on_hyoid'"),
         (("name",), 5, "name must be a string"),
+        (("contact_faces",), 5, "'contact_faces' must be a JSON object"),
+        (("contact_faces", "palate", 0, 0), 3, "contact faces of wall 'palate', face 0: the nodes"),
     ],
 )
 def test_inconsistent(tmp_path: Path, place: tuple[Any, ...], value: Any, message: str) -> None:

@@ -18,6 +18,9 @@ from tests.blocks import block
 
 import glossa
 from glossa import _core
+from glossa.cli.output import print_costs
+from glossa.studies import effect_costs
+from glossa.studies.costs import FAR
 
 pytestmark = pytest.mark.slow
 PB = Path(__file__).parents[3] / "shared" / "reference" / "pb"
@@ -97,7 +100,7 @@ def test_kernels(table: Table, speaker: glossa.Speaker, mirror: bool) -> None:
     """Residual, assembly with tangent, factorisation and solve at the posture of /i/."""
     scene = glossa.Scene(speaker, gravity=None, mirror=mirror, contact=False, hyoid="fixed")
     posture = scene.equilibrate(glossa.VOWELS["i"])
-    positions = scene._body.restrict(posture.positions, "posture")
+    positions = scene._body.restrict_positions(posture.positions, "posture")
     pieces = _core.Pieces(scene._solver, scene._fractions(glossa.VOWELS["i"]))
     label = f"{speaker.name} {'mirrored' if mirror else 'full'}: "
     table.add(label + "residual", cpu_seconds(lambda: pieces.force(positions), 31), study(speaker, "residual", mirror))
@@ -147,6 +150,17 @@ def test_movement(table: Table, speaker: glossa.Speaker, vowel: str, integrator:
     table.add(label, seconds, study(speaker, vowel, True))
     if speaker.name == "PB":
         assert error < 1e-4
+
+
+def test_effects(speaker: glossa.Speaker) -> None:
+    """200 ms of /i/ with effects added one by one, as `glossa costs` prints it; walls out of reach change nothing."""
+    costs = effect_costs(speaker, repetitions=5)
+    print()
+    print_costs(costs)
+    bare, far = costs.sel(scene="tissue and muscles"), costs.sel(scene=FAR)
+    for name in ("factorisations", "residuals", "stages"):
+        assert int(far[name]) == int(bare[name])
+    assert bool((costs["tip_change_largest"] > 0.0).all())
 
 
 def test_full_movement(table: Table, speaker: glossa.Speaker) -> None:

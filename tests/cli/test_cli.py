@@ -10,20 +10,24 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 import glossa
 from glossa import MUSCLES, Movement, Posture, Scene, SolveError, SolveInterrupted, Speaker
 from glossa.cli import app, main
 from glossa.cli.options import with_picture_names
+from glossa.studies import effect_costs
 
-COMMANDS = ("vowels", "vowel", "movement", "muscle", "muscles", "speaker", "view")
+COMMANDS = ("vowels", "vowel", "movement", "muscle", "muscles", "speaker", "costs", "view")
 ENTRY = {
     "converged",
     "forces_N",
     "formants_Hz",
     "tip_displacement_mm",
     "dorsum_displacement_mm",
+    "contact",
+    "hyoid_displacement_mm",
     "iterations",
     "seconds",
 }
@@ -36,6 +40,12 @@ def check_entry(entry: dict[str, Any]) -> None:
     assert entry["formants_Hz"] is None
     for point in ("tip", "dorsum"):
         assert [type(x) for x in entry[f"{point}_displacement_mm"]] == [float, float]
+    assert list(entry["contact"]) == list(Speaker.reference().walls)
+    for wall in entry["contact"].values():
+        assert wall["area_mm2"] >= 0.0
+        assert [type(x) for x in wall["force_N"]] == [float] * 3
+        assert (wall["area_mm2"] > 0.0) == any(wall["force_N"])
+    assert [type(x) for x in entry["hyoid_displacement_mm"]] == [float, float]
     assert isinstance(entry["iterations"], int)
     assert entry["seconds"] > 0.0
 
@@ -55,12 +65,62 @@ def test_json_of_vowels_is_all_of_stdout(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_tables_of_vowels(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["vowels", "--gravity", "none"]) == 0
+    assert main(["vowels", "--gravity", "none", "--epg"]) == 0
     text = capsys.readouterr().out
     assert "25.82" in text  # Table II, /i/, GGp
     assert "gravity" not in text
-    for word in (*MUSCLES, "/ə/", "dorsum z", "note: no wall contact"):
+    assert "note:" not in text
+    for word in (*MUSCLES, "/ə/", "dorsum z", "hard_palate", "mandible", "hyoid", "Palatogram", "# # . . . . # #"):
         assert word in text
+
+
+def test_without_contact_and_hyoid_nothing_of_them_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["vowel", "@", "--no-contact", "--hyoid", "fixed", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert (result["contact"], result["hyoid_displacement_mm"]) == (None, None)
+    assert main(["muscle", "MH", "--no-contact", "--hyoid", "fixed"]) == 0
+    text = capsys.readouterr().out
+    assert "hard_palate" not in text
+    assert "hyoid" not in text.lower()
+
+
+def test_friction_and_palatogram(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "contact.png"
+    results = []
+    for option in (["--friction", "0"], ["--epg", "--plot-contact", str(picture)]):
+        assert main(["vowel", "i", "--json", *option]) == 0
+        results.append(json.loads(capsys.readouterr().out))
+    smooth, rough = (result["contact"]["hard_palate"]["force_N"] for result in results)
+    assert smooth != pytest.approx(rough, rel=1e-2)
+    assert "palatogram" not in results[0]
+    rows = results[1]["palatogram"]["rows"]
+    assert [len(row) for row in rows] == [8] * 8
+    assert (rows[0][0], rows[0][-1], set("".join(rows))) == (" ", " ", {" ", "0", "1"})
+    share = "".join(rows).count("1") / 62
+    assert results[1]["palatogram"]["percent"] == pytest.approx(100 * share, abs=1e-3)
+    assert picture.stat().st_size > 10_000
+
+
+def test_costs(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    computed = effect_costs(Speaker.reference(), "i", 0.004, repetitions=1)
+    asked: list[tuple[object, ...]] = []
+
+    def costs(*arguments: object, **options: object) -> xr.Dataset:
+        asked.append((*arguments[1:], options))
+        return computed
+
+    monkeypatch.setattr("glossa.cli.commands.effect_costs", costs)
+    assert main(["costs", "@", "--until", "0.004", "--repetitions", "7", "--json"]) == 0
+    assert asked == [("ə", 0.004, {"dt": 0.002, "mirror": True, "repetitions": 7})]
+    result = json.loads(capsys.readouterr().out)
+    names = ["tissue and muscles", "contact, walls out of reach", "+ contact", "+ friction", "+ hyoid", "+ gravity"]
+    assert list(result["scenes"]) == names
+    assert all(scene["seconds"] > 0.0 for scene in result["scenes"].values())
+    assert list(result["left_out_mm"]) == ["contact", "friction", "hyoid", "gravity"]
+    assert result["left_out_mm"]["gravity"]["tip_change_end"] > 0.0
+    assert main(["costs"]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in (*names, "factorisations", "at the end"))
 
 
 def test_vowel_accepts_at_sign_and_writes_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -102,6 +162,8 @@ def test_movement_prints_saves_and_plots(tmp_path: Path, capsys: pytest.CaptureF
     times = result["times_s"]
     assert (times[0], times[-1]) == (0.0, pytest.approx(0.01))
     assert len(result["tip_displacement_mm"]) == len(result["forces_N"]["Sty"]) == len(times)
+    assert len(result["contact"]["mandible"]["area_mm2"]) == len(result["hyoid_displacement_mm"]) == len(times)
+    assert [len(force) for force in result["contact"]["mandible"]["force_N"]] == [3] * len(times)
     assert Movement.load(saved, Speaker.reference()).times.tolist() == times
     assert plot.stat().st_size > 5000
 
@@ -113,7 +175,10 @@ def test_muscles_and_speaker(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert main(["speaker", "--save", str(copy)]) == 0
     assert capsys.readouterr().out == ""
     assert main(["speaker", "--speaker", str(copy), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["fingerprint"] == Speaker.reference().fingerprint
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["fingerprint"] == Speaker.reference().fingerprint
+    assert "hard_palate" in summary["walls"]
+    assert summary["contact_faces"]["hard_palate"] == len(Speaker.reference().contact_faces["hard_palate"])
     assert main(["speaker", "--speaker", str(copy), "--summary"]) == 0
     assert Speaker.reference().summary() in capsys.readouterr().out
 
@@ -130,6 +195,12 @@ def test_muscles_and_speaker(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         (["vowels", "--speaker", "nosuch"], "no such file or folder"),
         (["vowels", "--speaker", "x", "--resolution", "2"], "built-in speaker only"),
         (["vowels", "--gravity", "sideways"], "upright, supine or none"),
+        (["vowel", "i", "--friction", "-1"], "friction must lie between"),
+        (["vowel", "i", "--hyoid", "loose"], "--hyoid must be mobile or fixed"),
+        (["vowel", "i", "--no-contact", "--epg"], "this scene has none"),
+        (["vowel", "i", "--no-contact", "--plot-contact", "i.png"], "this scene has none"),
+        (["vowel", "i", "--plot-contact", "i.doc"], "must end in"),
+        (["costs", "--repetitions", "0"], "repetitions must be a whole number"),
         (["vowel", "i", "--plot", "nosuch/i.png"], "no folder nosuch"),
         (["vowel", "i", "--plot", "i.doc"], "must end in"),
         (["vowel", "i", "--vtk", "i.stl"], "must end in"),
@@ -200,6 +271,7 @@ def test_help_and_version() -> None:
 def test_plot_without_a_name_is_named_after_the_command() -> None:
     assert with_picture_names(["vowel", "@", "--plot", "--json"]) == ["vowel", "@", "--plot=vowel-schwa.png", "--json"]
     assert with_picture_names(["vowels", "--plot-3d"]) == ["vowels", "--plot-3d=vowels-3d.png"]
+    assert with_picture_names(["vowel", "i", "--plot-contact"]) == ["vowel", "i", "--plot-contact=vowel-i-contact.png"]
     assert with_picture_names(["muscles", "--plot", "a.pdf"]) == ["muscles", "--plot", "a.pdf"]
 
 

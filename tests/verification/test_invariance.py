@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
-from tests.blocks import FloatArray, block
+from tests.blocks import PASSIVE, FloatArray, block, hyoid_block, wall_force
 
-from glossa import MotorCommands, Ramp, Scene, Speaker
+from glossa import Hyoid, MotorCommands, Ramp, Scene, Speaker, Spring, Wall
 
 COMMANDS = MotorCommands({"upper": 0.8, "side": 1.02})
 GRAVITY = np.array([1.0, -2.0, -9.0])
@@ -82,3 +85,43 @@ def test_rigid_rotation_in_steps(body: Speaker) -> None:
         wanted = body.nodes @ rotation((0.2, 1.0, 0.3), angle).T
         start = scene.equilibrate(prescribed={"left": (wanted - body.nodes)[held]}, start=start, accuracy="reference")
         assert start.positions == pytest.approx(wanted, abs=1e-9)
+
+
+def moved_with_surroundings(speaker: Speaker, turn: FloatArray, shift: FloatArray) -> Speaker:
+    """The same body, walls and hyoid elsewhere."""
+    place: Callable[[FloatArray], FloatArray] = lambda points: points @ turn.T + shift  # noqa: E731
+    hyoid = speaker.hyoid
+    assert hyoid is not None
+    springs = [Spring(place(s.on_hyoid), place(s.fixed), s.stiffness, s.rest_length, s.name) for s in hyoid.springs]
+    return Speaker(
+        place(speaker.nodes),
+        speaker.hexahedra,
+        muscles=dict(speaker.muscles),
+        node_sets=dict(speaker.node_sets),
+        walls={name: Wall(place(wall.vertices), wall.faces) for name, wall in speaker.walls.items()},
+        hyoid=Hyoid(None, hyoid.mass, place(hyoid.centre), tuple(springs)),
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_contact_and_hyoid_elsewhere(friction: float) -> None:
+    """Walls are splined on a lattice that does not turn with them: what differs is the error of the splines."""
+    body = hyoid_block(muscles={"upper": 3.0}, between_walls=True)
+    field = np.array([0.5, 0.0, -9.0])
+    arguments: dict[str, Any] = {"commands": {"upper": 0.85}, "accuracy": "reference"}
+    a, b = (
+        Scene(speaker, fixed=["right"], tissue=PASSIVE, friction=friction, gravity=(turn @ field).tolist()).equilibrate(
+            loads={"top": (turn @ [0.0, 0.0, 1.0]).tolist()}, **arguments
+        )
+        for speaker, turn in ((body, np.eye(3)), (moved_with_surroundings(body, TURN, SHIFT), TURN))
+    )
+    assert a.hyoid is not None
+    assert b.hyoid is not None
+    assert np.abs(a.displacements).max() > 1e-3
+    assert np.abs(b.positions - (a.positions @ TURN.T + SHIFT)).max() < 20e-6
+    force = wall_force(a, "roof")
+    assert np.linalg.norm(force) > 0.2
+    assert wall_force(b, "roof") == pytest.approx(TURN @ force, abs=0.01 * float(np.linalg.norm(force)))
+    assert b.hyoid.displacement == pytest.approx(TURN @ a.hyoid.displacement, abs=5e-6)
+    assert b.hyoid.rotation == pytest.approx(TURN @ a.hyoid.rotation, abs=1e-3)
+    assert np.linalg.norm(a.hyoid.rotation) > 0.05

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.blocks import FloatArray
+from tests.blocks import PASSIVE, FloatArray, block, furnished, hyoid_block, plate
 from tests.verification.test_threads import bits, movement_bits
 
-from glossa import VOWELS, Movement, Ramp, Scene, Speaker
+from glossa import VOWELS, MotorCommands, Movement, Ramp, Scene, Speaker
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +105,61 @@ def test_states_travel_between_simulations(scene: Scene) -> None:
     second.state = first.state
     first.state = second.state
     assert second.run(0.04).positions[-1] == pytest.approx(first.run(0.04).positions[-1], abs=1e-6)
+
+
+# With contact, friction and a mobile hyoid
+
+LIFT = MotorCommands({"upper": 0.85})
+
+
+@pytest.fixture(scope="module")
+def touching() -> Scene:
+    body = hyoid_block(muscles={"upper": 3.0}, between_walls=True)
+    return Scene(body, fixed=["right"], tissue=PASSIVE, friction=0.2)
+
+
+def test_equilibrium_with_contact_again(touching: Scene) -> None:
+    raised: dict[str, Any] = {"loads": {"top": (0.0, 0.0, 1.0)}, "prescribed": {"wall:roof": (0.0, 0.0, -0.0002)}}
+    first = touching.equilibrate(LIFT, **raised)
+    assert first.contact is not None
+    assert first.contact.drags.any()
+    touching.equilibrate(LIFT, prescribed={"wall:roof": (0.0, 0.0, -0.002)})
+    touching.simulate(Ramp(LIFT), 0.02, dt=0.004)
+    again = touching.equilibrate(LIFT, **raised)
+    assert bits(again) == bits(first)
+    assert again.contact is not None
+    assert np.array_equal(again.contact.pressures, first.contact.pressures)
+
+
+@pytest.mark.parametrize("options", OPTIONS[:2])
+def test_going_back_with_contact(touching: Scene, options: dict[str, Any]) -> None:
+    simulation = touching.start(Ramp(LIFT), **options)
+    simulation.run(0.02)
+    state = simulation.state
+    there = simulation.run(0.05)
+    assert there.contact is not None
+    assert there.contact.drags.any()
+    for _ in range(2):
+        simulation.state = state
+        again = simulation.run(0.05)
+        assert movement_bits(again) == movement_bits(there)
+        assert again.contact is not None
+        assert np.array_equal(again.contact.drags, there.contact.drags)
+
+
+def test_a_wall_moved_in_between() -> None:
+    """Walls stand where they were built in a movement, whatever an equilibrium of the same scene does with them."""
+    size = (0.04, 0.04, 0.03)
+    roof = plate(size[2], (-0.015, -0.015), (0.055, 0.055), facing=-1)
+    body = furnished(block((4, 4, 3), size), walls={"roof": roof})
+    ends = []
+    for disturbed in (False, True):
+        scene = Scene(body, gravity=(0.0, 0.0, 5.0), fixed=["bottom"], tissue=PASSIVE)
+        simulation = scene.start(None, dt=0.004)
+        for _ in range(5):
+            if disturbed:
+                scene.equilibrate(prescribed={"wall:roof": (0.0, 0.0, -0.002)})
+            simulation.step(0.004)
+        ends.append((simulation.positions, simulation.potential_energy))
+    assert ends[0][0].tobytes() == ends[1][0].tobytes()
+    assert ends[0][1] == ends[1][1]

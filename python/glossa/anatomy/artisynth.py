@@ -3,7 +3,9 @@
 Files of src/artisynth/models/tongue3d/geometry, ANSYS numbering from 1 in the first four:
 
     tongueIcp.3.node, .elem   node number and x y z in m; eight node numbers, material, type, ..., element number.
-                              Materials: 1 tongue, 921 hard palate, 932 soft palate, 933 mandible, 941 hyoid springs.
+                              Materials: 1 tongue, 921 hard palate, 932 soft palate, 933 mandible, 941 hyoid springs,
+                              911, 912, 913: faces of the tongue that may touch these walls (some of 912 lie inside
+                              the tongue and are left out).
                               tongue.node, tongue.elem hold the tongue alone and serve when these are absent
     Fibers.mac                FIBER(place, fibre, muscle) = node
     CreateMuscles.mac         muscleName(muscle) = 'NAME_SIDE'; ESEL,S|A,ELEM,,first,last,step ... CM,NAME_SIDE,ELEM
@@ -36,6 +38,7 @@ from glossa.errors import InputError, SpeakerFileError
 _PACKAGES = Path("src/artisynth/models")
 _TONGUE, _SPRING = 1, 941
 _WALL_MATERIALS = {"hard_palate": 921, "soft_palate": 932, "mandible": 933}
+_CONTACT_MATERIALS = {"hard_palate": 911, "soft_palate": 912, "mandible": 913}
 _WALL_SURFACES = {"palate": "ICPPalate3.obj", "mandible": "ICPJaw3.obj"}
 _ATTACHMENTS = {  # node set: file, in the order of preference
     "jaw": ("jawAttachmentsStephanie.txt", "jawAttachments.txt"),
@@ -112,6 +115,7 @@ def _build(
     sets = _node_sets(folders, from_zero)
     contours = _listed(folders, "tongueContourNodes.txt", from_zero)
     dorsum = {} if contours is None else {"dorsum": contours}
+    walls = _walls(mesh, geometry)
     return Speaker(
         nodes,
         hexahedra,
@@ -122,10 +126,11 @@ def _build(
             "styloid": np.arange(len(corners), len(nodes), dtype=np.int32),
             **(contour_points(nodes, contours) if contours is not None else {}),
         },
-        walls=_walls(mesh, geometry),
+        walls=walls,
         hyoid=_hyoid(mesh, geometry / "ICPHyoid3.obj"),
         contours=dorsum,
         name="PB",
+        contact_faces=_contact_faces(mesh, place, hexa.boundary_quads(hexahedra, len(nodes)), set(walls)),
     )
 
 
@@ -289,6 +294,17 @@ def _walls(mesh: _Mesh, geometry: Path) -> dict[str, Wall]:
             if (geometry / file).is_file():
                 walls[name] = read_obj(geometry / file)
     return walls
+
+
+def _contact_faces(mesh: _Mesh, place: dict[int, int], boundary: IntArray, walls: set[str]) -> dict[str, IntArray]:
+    result = {}
+    for name, material in _CONTACT_MATERIALS.items():
+        shells = mesh.of(material)[:, :4]
+        if name in walls and len(shells):
+            faces = np.array([[place.get(n, -1) for n in face] for face in shells.tolist()], dtype=np.int32)
+            numbers = hexa.matching_faces(faces, boundary)
+            result[name] = boundary[np.unique(numbers[numbers >= 0])]
+    return result
 
 
 def _hyoid(mesh: _Mesh, surface: Path) -> Hyoid | None:

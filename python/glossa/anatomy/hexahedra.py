@@ -106,6 +106,18 @@ def face_keys(hexahedra: IntArray, n_nodes: int) -> tuple[IntArray, NDArray[np.i
     return faces, keys.reshape(-1, 6)
 
 
+def matching_faces(quads: IntArray, faces: IntArray) -> NDArray[np.int64]:
+    """(k,) index into ``faces`` (f, 4) of the face with the same four corners as each of ``quads`` (k, 4).
+
+    -1 where there is none. The order of the corners does not matter; no two ``faces`` share all four.
+    """
+    corners = np.sort(np.concatenate([faces, quads]), axis=1)
+    place = np.unique(corners, axis=0, return_inverse=True)[1].ravel()
+    index = np.full(len(corners), -1, dtype=np.int64)
+    index[place[: len(faces)]] = np.arange(len(faces))
+    return index[place[len(faces) :]]
+
+
 def boundary_quads(hexahedra: IntArray, n_nodes: int) -> IntArray:
     """(q, 4) faces that belong to one hexahedron only, corners so that the normal points outwards."""
     faces, keys = face_keys(hexahedra, n_nodes)

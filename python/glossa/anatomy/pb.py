@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.arrays import FloatArray, IntArray, int_array
 from glossa.anatomy.muscle import Muscle
 from glossa.anatomy.obj_file import read_obj
 from glossa.anatomy.paper_table import force_capacities
@@ -27,6 +27,11 @@ WALL_FILES = {
     "soft_palate": "soft_palate_pharynx.obj",
     "mandible": "mandible_lower_teeth.obj",
 }
+CONTACT_ZONES = {  # wall: entry of contact_surface_quads
+    "hard_palate": "tongue_contact_hardpalate",
+    "soft_palate": "tongue_contact_softpalate",
+    "mandible": "tongue_contact_mandible",
+}
 
 
 def load_pb(folder: Path) -> Speaker:
@@ -34,7 +39,8 @@ def load_pb(folder: Path) -> Speaker:
 
     Node sets: "jaw" (the published jaw_fixed), "hyoid" (hyoid_fixed), "midsagittal", "styloid", every alternative
     attachment set under its own name, and the single nodes "tip", "dorsum" and "rear" of the dorsum contour.
-    Contour "dorsum": 27 midline nodes, front to back.
+    Contour "dorsum": 27 midline nodes, front to back. Contact faces: the published zones of the three walls, where the
+    file has them.
 
     Raises:
         FileNotFoundError: the folder lacks one of its files.
@@ -58,6 +64,7 @@ def load_pb(folder: Path) -> Speaker:
             hyoid=_hyoid(data, bone),
             contours={"dorsum": data["dorsum_contour"]},
             name="PB",
+            contact_faces=_contact_faces(data),
         )
     except (KeyError, TypeError) as error:
         raise SpeakerFileError(f"{path}: missing or malformed entry {error}") from None
@@ -82,6 +89,20 @@ def _node_sets(data: dict[str, Any]) -> dict[str, IntArray]:
         **contour_points(np.asarray(data["nodes"], dtype=float), np.asarray(data["dorsum_contour"], dtype=np.int32)),
     }
     return {name: np.asarray(nodes, dtype=np.int32) for name, nodes in sets.items()}
+
+
+def _contact_faces(data: dict[str, Any]) -> dict[str, IntArray]:
+    zones = data.get("contact_surface_quads", {})
+    quads = np.asarray(data["surface_quads"], dtype=np.int32) if zones else None
+    result = {}
+    for wall, key in CONTACT_ZONES.items():
+        if quads is None or key not in zones:
+            continue
+        numbers = int_array(zones[key], f"contact_surface_quads: {key}")
+        if len(numbers) and numbers.max() >= len(quads):
+            raise InputError(f"contact_surface_quads: {key} names face {numbers.max()} of {len(quads)} surface_quads")
+        result[wall] = quads[numbers]
+    return result
 
 
 def contour_points(nodes: FloatArray, dorsum: IntArray) -> dict[str, IntArray]:

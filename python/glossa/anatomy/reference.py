@@ -8,8 +8,12 @@ from glossa.anatomy.arrays import IntArray
 from glossa.anatomy.landmarks import Landmarks, load_landmarks
 from glossa.anatomy.paper_table import force_capacities
 from glossa.anatomy.reference_block import Block
+from glossa.anatomy.reference_contact import reference_contact_faces
+from glossa.anatomy.reference_hyoid import reference_hyoid
 from glossa.anatomy.reference_muscles import mylohyoid_line, reference_muscles
+from glossa.anatomy.reference_walls import reference_walls
 from glossa.anatomy.speaker import Speaker
+from glossa.anatomy.wall_landmarks import WallLandmarks, load_wall_landmarks
 
 #: single midsagittal points by name: ray i, layer j
 _POINTS = {
@@ -24,31 +28,40 @@ _POINTS = {
 }
 
 
-def reference_speaker(resolution: int = 1, landmarks: Landmarks | None = None) -> Speaker:
+def reference_speaker(
+    resolution: int = 1, landmarks: Landmarks | None = None, wall_landmarks: WallLandmarks | None = None
+) -> Speaker:
     """The built-in anatomy of a typical adult male.
 
     One block of 16 x 6 x 8 cells whose inner edge is the symphysis, each cell divided into r x r x r; exactly nested
     (nodes of resolution 1 are reproduced bit for bit) and exactly mirror symmetric. The two styloid points are the
     last two nodes. Muscles are families of grid lines that multiply with the resolution, four fibres per interior cell.
+    Walls (hard_palate, soft_palate, pharynx, larynx, mandible) and hyoid do not depend on the resolution.
 
     Args:
         resolution: r >= 1.
-        landmarks: another landmark table of the same layout; None takes the built-in one.
+        landmarks: another landmark table of the tongue, of the same layout; None takes the built-in one.
+        wall_landmarks: likewise for walls and hyoid.
 
     Raises:
         InputError: resolution not a whole number of at least 1.
     """
     block = Block(resolution)
     landmarks = load_landmarks() if landmarks is None else landmarks
+    wall_landmarks = load_wall_landmarks() if wall_landmarks is None else wall_landmarks
     hexahedra = block.hexahedra()
     nodes = np.concatenate([block.nodes(landmarks), landmarks.styloid_points])
+    node_sets = _node_sets(block)
     return Speaker(
         nodes,
         hexahedra,
         muscles=reference_muscles(block, hexahedra, force_capacities()),
-        node_sets=_node_sets(block),
+        node_sets=node_sets,
+        walls=reference_walls(wall_landmarks),
+        hyoid=reference_hyoid(wall_landmarks),
         contours=_contours(block),
         name=f"reference, resolution {block.resolution}",
+        contact_faces=reference_contact_faces(block, node_sets),
     )
 
 

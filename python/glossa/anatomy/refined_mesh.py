@@ -93,6 +93,17 @@ class RefinedMesh:
         """(f, 4) edge numbers, edge c between the corners c and c + 1 of the face."""
         return self.edge_numbers(np.stack([self.faces, np.roll(self.faces, -1, axis=1)], axis=2))
 
+    def face_children(self, quads: IntArray) -> IntArray:
+        """(4 k, 4) fine faces of the coarse faces ``quads`` (k, 4), four after each other, same side outwards.
+
+        Child c of a face holds its corner c, then runs round as the face does.
+        """
+        number = hexa.matching_faces(quads, self.faces)
+        edges = self.first_edge + self.edge_numbers(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2))
+        centres = np.repeat((self.first_face + number)[:, None], 4, axis=1)
+        children = np.stack([quads, edges, centres, np.roll(edges, 1, axis=1)], axis=2)
+        return children.reshape(-1, 4).astype(np.int32)
+
     def edge_numbers(self, pairs: IntArray) -> IntArray:
         """Edge numbers of node pairs (..., 2); -1 where the pair is no edge."""
         keys = hexa.pair_keys(pairs, self.n_nodes)

@@ -21,8 +21,8 @@ def refined_speaker(speaker: Speaker) -> Speaker:
     """The speaker with every hexahedron divided in eight.
 
     Old nodes, outside points among them, keep their numbers. A node set gains the new nodes all of whose parents are
-    in it; a contour gains the midpoints of consecutive nodes; muscle elements become their children. The force
-    capacity is unchanged, and so is the fibre count of the stiffening rule, written out if it was left open.
+    in it; a contour gains the midpoints of consecutive nodes; muscle elements and contact faces become their children.
+    The force capacity is unchanged, and so is the fibre count of the stiffening rule, written out if it was left open.
     Walls and hyoid are carried along.
     """
     mesh = RefinedMesh(speaker.nodes, speaker.hexahedra)
@@ -43,6 +43,7 @@ def refined_speaker(speaker: Speaker) -> Speaker:
         walls=speaker.walls,
         hyoid=speaker.hyoid,
         contours={name: mesh.with_midpoints(nodes) for name, nodes in speaker.contours.items()},
+        contact_faces={name: mesh.face_children(faces) for name, faces in speaker.contact_faces.items()},
         name=f"{speaker.name}, refined" if speaker.name else "",
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,9 @@ from glossa.anatomy.arrays import FloatArray, IntArray, float_array, frozen, int
 from glossa.anatomy.muscle import Muscle
 from glossa.anatomy.walls import Hyoid, Wall
 from glossa.errors import InputError
+
+if TYPE_CHECKING:
+    from glossa.anatomy.smooth_surface import SmoothSurface
 
 _MIDPLANE_TOLERANCE = 1e-9  # m; rounding of mirror-symmetric files is far below
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -38,6 +41,9 @@ class Speaker:
         walls: rigid surfaces by name.
         hyoid: the bone that moves the node set "hyoid", or None.
         contours: ordered node lists by name; "dorsum" runs front to back.
+        contact_faces: by wall: (k, 4) the boundary faces that may touch it, corners as in ``surface_quads``, given in
+            any order. Empty: every wall may touch the whole free surface. Otherwise a wall that is not named touches
+            nothing; it only bounds the vocal tract.
         name: free text.
 
     Raises:
@@ -52,6 +58,7 @@ class Speaker:
     hyoid: Hyoid | None
     contours: Mapping[str, IntArray]
     name: str
+    contact_faces: Mapping[str, IntArray]
 
     def __init__(
         self,
@@ -64,6 +71,7 @@ class Speaker:
         hyoid: Hyoid | None = None,
         contours: Mapping[str, ArrayLike] = _NOTHING,
         name: str = "",
+        contact_faces: Mapping[str, ArrayLike] = _NOTHING,
     ) -> None:
         keep = partial(object.__setattr__, self)
         keep("nodes", float_array(nodes, "nodes", 3))
@@ -78,6 +86,8 @@ class Speaker:
         checks.check_hyoid_and_name(hyoid, name)
         keep("hyoid", hyoid)
         keep("name", name)
+        faces = checks.checked_contact_faces(contact_faces, self.walls, self.hexahedra, len(self.nodes))
+        keep("contact_faces", faces)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, (self.nodes, self.hexahedra, self._parts())
@@ -90,7 +100,8 @@ class Speaker:
 
     def _parts(self) -> dict[str, Any]:
         """Keyword arguments of the constructor, mappings as plain dicts."""
-        parts: dict[str, Any] = {key: dict(getattr(self, key)) for key in ("muscles", "node_sets", "walls", "contours")}
+        mappings = ("muscles", "node_sets", "walls", "contours", "contact_faces")
+        parts: dict[str, Any] = {key: dict(getattr(self, key)) for key in mappings}
         return parts | {"hyoid": self.hyoid, "name": self.name}
 
     # Constructors and files
@@ -132,7 +143,7 @@ class Speaker:
         save_speaker(self, Path(path))
 
     def refined(self) -> Speaker:
-        """Every hexahedron in eight, fibres multiplied, node sets and contours carried along."""
+        """Every hexahedron in eight, fibres multiplied, node sets, contours and contact faces carried along."""
         from glossa.anatomy.refinement import refined_speaker
 
         return refined_speaker(self)
@@ -158,6 +169,17 @@ class Speaker:
     def surface_quads(self) -> IntArray:
         """(q, 4) faces of one hexahedron only, normals outwards."""
         return frozen(hexa.boundary_quads(self.hexahedra, len(self.nodes)))
+
+    @cached_property
+    def smooth_surface(self) -> SmoothSurface:
+        """Smooth surface through the nodes of ``surface_quads``, linear in node positions.
+
+        Raises:
+            InputError: parts of the body touch along an edge only.
+        """
+        from glossa.anatomy.smooth_surface import SmoothSurface
+
+        return SmoothSurface(self.nodes, self.surface_quads)
 
     @cached_property
     def midsagittal_nodes(self) -> IntArray:
@@ -213,6 +235,9 @@ class Speaker:
             )
         for title, mapping in (("node sets", self.node_sets), ("contours", self.contours)):
             lines.append(f"  {title}: " + (", ".join(f"{k} ({len(v)})" for k, v in mapping.items()) or "none"))
+        if self.contact_faces:
+            counts = ", ".join(f"{name} ({len(faces)})" for name, faces in self.contact_faces.items())
+            lines.append(f"  contact faces: {counts}")
         lines.append(f"  walls: {', '.join(self.walls) or 'none'}; hyoid: {'yes' if self.hyoid else 'no'}")
         return "\n".join(lines)
 
@@ -232,6 +257,8 @@ def _content(speaker: Speaker) -> list[Any]:
             items += [title, name, mapping[name]]
     for name in sorted(speaker.walls):
         items += ["wall", name, speaker.walls[name].vertices, speaker.walls[name].faces]
+    for name in sorted(speaker.contact_faces):
+        items += ["contact", name, speaker.contact_faces[name]]
     if speaker.hyoid is not None:
         items += ["hyoid", speaker.hyoid.mass, speaker.hyoid.centre]
         if speaker.hyoid.surface is not None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from glossa.anatomy import hexahedra as hexa
-from glossa.anatomy.arrays import FloatArray, IntArray, int_array
+from glossa.anatomy.arrays import FloatArray, IntArray, frozen, int_array
 from glossa.anatomy.muscle import Muscle
 from glossa.anatomy.walls import Hyoid, Wall
 from glossa.errors import InputError
@@ -146,6 +146,38 @@ def checked_walls(walls: Any) -> Mapping[str, Wall]:
     for name, wall in result.items():
         if not isinstance(wall, Wall):
             raise InputError(f"wall {name!r} must be a Wall, got {type(wall).__name__}")
+    return MappingProxyType(result)
+
+
+def checked_contact_faces(
+    contact_faces: Any, walls: Mapping[str, Wall], hexahedra: IntArray, n_nodes: int
+) -> Mapping[str, IntArray]:
+    """Read-only copy, faces turned outwards; known walls, boundary faces only, none twice for one wall."""
+    result: dict[str, IntArray] = {}
+    named = _named(contact_faces, "contact_faces")
+    boundary = hexa.boundary_quads(hexahedra, n_nodes) if named else hexahedra[:0, :4]
+    for name, faces in named.items():
+        if name not in walls:
+            known = ", ".join(walls) or "none"
+            raise InputError(f"contact_faces: there is no wall {name!r}; this speaker has {known}")
+        what = f"contact faces of wall {name!r}"
+        quads = int_array(faces, what, 4)
+        for position in np.flatnonzero((quads >= n_nodes).any(axis=1))[:1]:
+            raise InputError(
+                f"{what}, face {position} names node {quads[position].max()}, but there are {n_nodes} nodes "
+                f"(0..{n_nodes - 1})"
+            )
+        number = hexa.matching_faces(quads, boundary)
+        for position in np.flatnonzero(number < 0)[:1]:
+            raise InputError(
+                f"{what}, face {position}: the nodes {quads[position].tolist()} are not the corners of a boundary face "
+                f"of the body (see Speaker.surface_quads)"
+            )
+        values, first = np.unique(number, return_index=True)
+        for position in np.setdiff1d(np.arange(len(number)), first)[:1]:
+            earlier = int(first[values == number[position]][0])
+            raise InputError(f"{what}: faces {earlier} and {position} are the same; name it once")
+        result[name] = frozen(np.ascontiguousarray(boundary[number]))
     return MappingProxyType(result)
 
 

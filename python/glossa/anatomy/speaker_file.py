@@ -9,6 +9,7 @@
                         "force_capacity": N, "fibres_per_element": count or null}},
      "node_sets": {name: [nodes]}, "contours": {name: [nodes in order]},
      "walls": {name: {"vertices": [[x, y, z], ...], "faces": [[3 or 4 vertices], ...]}},
+     "contact_faces": {wall: [[4 nodes of a boundary face], ...]},   may be absent: no wall has faces of its own
      "hyoid": null or {"surface": null or wall, "mass": kg, "centre": [x, y, z],
                        "springs": [{"on_hyoid": [x, y, z], "fixed": [x, y, z], "stiffness": N/m,
                                     "rest_length": m, "name": "..."}]}}
@@ -105,6 +106,7 @@ def _document(speaker: Speaker) -> dict[str, Any]:
         "node_sets": {name: nodes.tolist() for name, nodes in speaker.node_sets.items()},
         "contours": {name: nodes.tolist() for name, nodes in speaker.contours.items()},
         "walls": {name: _wall_document(wall) for name, wall in speaker.walls.items()},
+        "contact_faces": {wall: faces.tolist() for wall, faces in speaker.contact_faces.items()},
         "hyoid": _hyoid_document(speaker.hyoid),
     }
 
@@ -152,6 +154,7 @@ class _Reader:
             hyoid=None if hyoid is None else self._hyoid(hyoid),
             contours=self._mapping(document, "contours"),
             name=self._entry(document, "name", "the file"),
+            contact_faces=self._mapping(document, "contact_faces") if "contact_faces" in document else {},
         )
 
     def _entry(self, mapping: Any, key: str, where: str) -> Any:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from glossa.anatomy.arrays import FloatArray, IntArray, float_array, int_array
+from glossa.anatomy.arrays import FloatArray, IntArray, float_array, frozen, int_array
 from glossa.errors import InputError
 
 
@@ -47,13 +48,33 @@ class Wall:
     def __repr__(self) -> str:
         return f"Wall({len(self.vertices)} vertices, {len(self.faces)} faces)"
 
-    @property
+    @cached_property
     def triangles(self) -> IntArray:
-        """(k, 3) triangles; each quadrilateral (a, b, c, d) is split into (a, b, c) and (a, c, d)."""
+        """(k, 3) triangles; a quadrilateral is split along its shorter diagonal, which its mirror image is, too."""
         if self.faces.shape[1] == 3:
             return self.faces
-        first, second = self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]
-        return np.concatenate([first, second[self.faces[:, 2] != self.faces[:, 3]]])
+        whole = self.faces[:, 2] != self.faces[:, 3]
+        quads = self.faces[whole]
+        corners = self.vertices[quads]
+        first = np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1)
+        second = np.linalg.norm(corners[:, 3] - corners[:, 1], axis=1)
+        other = second < first * (1.0 - 1e-9)
+        equal = np.abs(second - first) <= 1e-9 * first
+        other[equal] = _lower_corner(corners[equal]) % 2 == 1
+        turned = np.where(other[:, None], np.roll(quads, -1, axis=1), quads)
+        return frozen(np.concatenate([self.faces[~whole][:, :3], turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]]))
+
+
+def _lower_corner(corners: FloatArray) -> IntArray:
+    """(q,) which of four corners (q, 4, 3) comes first by z, x and distance from the midplane, within rounding."""
+    keys = np.round(np.stack([corners[..., 2], corners[..., 0], np.abs(corners[..., 1])], axis=-1), 9)
+    best = np.zeros(len(corners), dtype=np.int32)
+    for k in range(1, 4):
+        here = keys[np.arange(len(keys)), best]
+        difference = keys[:, k] - here
+        first = np.argmax(difference != 0.0, axis=1)
+        best = np.where(difference[np.arange(len(keys)), first] < 0.0, k, best).astype(np.int32)
+    return best
 
 
 @dataclass(frozen=True, eq=False, init=False)

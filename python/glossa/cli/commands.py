@@ -14,10 +14,15 @@ from glossa.cli import output
 from glossa.cli.options import (
     PICTURES,
     AccuracyOption,
+    ContactOption,
+    EpgOption,
+    FrictionOption,
     GravityOption,
+    HyoidOption,
     JsonOption,
     MirrorOption,
     Plot3dOption,
+    PlotContactOption,
     PlotOption,
     ResolutionOption,
     SpeakerOption,
@@ -32,7 +37,14 @@ from glossa.errors import InputError
 from glossa.motor import VOWELS, Ramp
 from glossa.results import Posture
 from glossa.scene import Scene
-from glossa.studies import posture_table, rest_posture, single_muscle, single_muscle_command, vowels
+from glossa.studies import (
+    effect_costs,
+    posture_table,
+    rest_posture,
+    single_muscle,
+    single_muscle_command,
+    vowels,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,28 +83,35 @@ def vowels_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
+    contact: ContactOption = None,
+    friction: FrictionOption = 0.1,
+    hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
+    epg: EpgOption = False,
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
+    plot_contact: PlotContactOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The equilibria of /i/, /ə/, /u/ and /a/ (Table III), their forces beside the paper's, and displacements."""
-    check_output(plot, PICTURES)
-    check_output(plot_3d, PICTURES)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    """The equilibria of /i/, /ə/, /u/ and /a/ (Table III): forces beside the paper's, displacements, contact."""
+    _check_outputs(plot, plot_3d, plot_contact)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    _check_contact(scene, epg, plot_contact)
     postures = vowels(scene)
     table = posture_table(postures)
     if as_json:
-        rows = {name: output.posture_json(table, name) for name in postures}
+        rows = {name: output.posture_json(table, name, posture, epg=epg) for name, posture in postures.items()}
         output.print_json({"speaker": scene.speaker.name, "vowels": rows})
     else:
-        output.print_postures(scene, postures, table)
+        output.print_postures(scene, postures, table, epg=epg)
     from glossa import figures
 
     if plot is not None:
         _write(figures.overview(postures, paper.forces()), plot)
     if plot_3d is not None:
         _write(figures.surfaces(postures), plot_3d)
+    if plot_contact is not None:
+        _write(figures.contact_map(postures), plot_contact)
     _refuse_unconverged(postures)
 
 
@@ -103,19 +122,25 @@ def vowel_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
+    contact: ContactOption = None,
+    friction: FrictionOption = 0.1,
+    hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
+    epg: EpgOption = False,
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
+    plot_contact: PlotContactOption = None,
     vtk: VtkOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """The equilibrium of one vowel."""
     name = vowel_name(vowel)
-    _check_outputs(plot, plot_3d, vtk)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    _check_outputs(plot, plot_3d, plot_contact, vtk)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    _check_contact(scene, epg, plot_contact)
     posture = vowels(scene, [name])[name]
-    _report_posture(scene, name, posture, {"vowel": name}, as_json)
-    _write_posture(name, posture, plot, plot_3d, vtk)
+    _report_posture(scene, name, posture, {"vowel": name}, as_json, epg)
+    _write_posture(name, posture, plot, plot_3d, plot_contact, vtk)
 
 
 @app.command("movement", epilog="Examples: glossa movement i --plot i.png | glossa movement u --until 0.4 --save u.nc")
@@ -130,6 +155,9 @@ def movement_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
+    contact: ContactOption = None,
+    friction: FrictionOption = 0.1,
+    hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
     plot: PlotOption = None,
     save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write it as NetCDF (.nc).")] = None,
@@ -140,7 +168,7 @@ def movement_command(
     check_output(plot, PICTURES)
     check_output(save, (".nc",))
     schedule = Ramp(VOWELS[name], duration=ramp)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     movement = scene.simulate(schedule, until, accuracy=accuracy)
     if as_json:
         output.print_json(output.movement_json(movement, name))
@@ -172,19 +200,25 @@ def muscle_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
+    contact: ContactOption = None,
+    friction: FrictionOption = 0.1,
+    hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
+    epg: EpgOption = False,
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
+    plot_contact: PlotContactOption = None,
     vtk: VtkOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """What one muscle does alone (section III.A.1, fig. 5): every other muscle is silent."""
-    _check_outputs(plot, plot_3d, vtk)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror)
+    _check_outputs(plot, plot_3d, plot_contact, vtk)
+    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    _check_contact(scene, epg, plot_contact)
     posture = single_muscle(scene, muscle, command)
     fraction = single_muscle_command(muscle) if command is None else command
-    _report_posture(scene, muscle, posture, {"muscle": muscle, "command": fraction}, as_json)
-    _write_posture(muscle, posture, plot, plot_3d, vtk)
+    _report_posture(scene, muscle, posture, {"muscle": muscle, "command": fraction}, as_json, epg)
+    _write_posture(muscle, posture, plot, plot_3d, plot_contact, vtk)
 
 
 @app.command("muscles", epilog="Examples: glossa muscles | glossa muscles --plot muscles.png")
@@ -231,6 +265,30 @@ def speaker_command(
         output.wrote(save)
 
 
+@app.command("costs", epilog="Examples: glossa costs | glossa costs u --repetitions 5 --json")
+@output.guarded
+def costs_command(
+    vowel: VowelArgument = "i",
+    until: Annotated[float, typer.Option("--until", "-u", metavar="SECONDS", help="End of the movement, s.")] = 0.2,
+    step: Annotated[float, typer.Option("--step", metavar="SECONDS", help="Time step, s.")] = 0.002,
+    repetitions: Annotated[
+        int, typer.Option("--repetitions", metavar="N", help="Runs of each scene; the shortest counts.")
+    ] = 3,
+    speaker: SpeakerOption = "reference",
+    resolution: ResolutionOption = 1,
+    mirror: Annotated[bool, typer.Option("--mirror/--no-mirror", help="Compute one half only.")] = True,
+    as_json: JsonOption = False,
+) -> None:
+    """What contact, friction, a mobile hyoid and gravity cost in a movement, and what leaving each out changes."""
+    name = vowel_name(vowel)
+    body = make_speaker(speaker, resolution)
+    costs = effect_costs(body, name, until, dt=step, mirror=mirror, repetitions=repetitions)
+    if as_json:
+        output.print_json(output.costs_json(costs))
+    else:
+        output.print_costs(costs)
+
+
 @app.command("view", epilog="Examples: glossa view | glossa view i | glossa view i --muscle GGp --screenshot i.png")
 @output.guarded
 def view_command(
@@ -238,8 +296,12 @@ def view_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     gravity: GravityOption = "upright",
+    contact: ContactOption = None,
+    friction: FrictionOption = 0.1,
+    hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
     muscle: Annotated[str | None, typer.Option("--muscle", metavar="MUSCLE", help="Show its fibres.")] = None,
+    springs: Annotated[bool, typer.Option("--springs", help="Show the springs of the hyoid.")] = False,
     screenshot: Annotated[Path | None, typer.Option("--screenshot", metavar="FILE", help="A PNG, no window.")] = None,
 ) -> None:
     """A 3D view to turn and zoom; needs pyvista, the extra "view" of this package."""
@@ -247,10 +309,13 @@ def view_command(
     check_output(screenshot, (".png",))
     _need("pyvista", "the 3D view", "glossa[view]")
     body = make_speaker(speaker, resolution)
-    posture = rest_posture(body) if name is None else make_scene(body, gravity, mirror).equilibrate(VOWELS[name])
+    if name is None:
+        posture = rest_posture(body)
+    else:
+        posture = make_scene(body, gravity, mirror, contact, friction, hyoid).equilibrate(VOWELS[name])
     from glossa.figures.interactive import view
 
-    view(posture, muscle=muscle, screenshot=screenshot)
+    view(posture, muscle=muscle, springs=springs, screenshot=screenshot)
     if screenshot is not None:
         output.wrote(screenshot)
 
@@ -260,31 +325,47 @@ def _need(module: str, what: str, requirement: str) -> None:
         raise InputError(f"{what} needs {module}; install it with: pip install '{requirement}'")
 
 
-def _check_outputs(plot: Path | None, plot_3d: Path | None, vtk: Path | None) -> None:
-    check_output(plot, PICTURES)
-    check_output(plot_3d, PICTURES)
+def _check_outputs(plot: Path | None, plot_3d: Path | None, plot_contact: Path | None, vtk: Path | None = None) -> None:
+    for picture in (plot, plot_3d, plot_contact):
+        check_output(picture, PICTURES)
     check_output(vtk, (".vtu", ".vtk"))
     if vtk is not None:
         _need("meshio", "--vtk", "meshio")
 
 
-def _report_posture(scene: Scene, name: str, posture: Posture, facts: dict[str, object], as_json: bool) -> None:
+def _check_contact(scene: Scene, epg: bool, plot_contact: Path | None) -> None:
+    """Refuse pictures of contact in a scene without, and palatograms of a speaker without palate."""
+    for option, wanted in (("--epg", epg), ("--plot-contact", plot_contact is not None)):
+        if wanted and not scene.contact:
+            raise InputError(f"{option} shows contact, and this scene has none")
+    if epg and "hard_palate" not in scene.speaker.walls:
+        raise InputError(f"--epg needs the wall 'hard_palate'; this speaker has {', '.join(scene.speaker.walls)}")
+
+
+def _report_posture(
+    scene: Scene, name: str, posture: Posture, facts: dict[str, object], as_json: bool, epg: bool
+) -> None:
     postures = {name: posture}
     table = posture_table(postures)
     if as_json:
-        output.print_json({"speaker": scene.speaker.name, **facts, **output.posture_json(table, name)})
+        entry = output.posture_json(table, name, posture, epg=epg)
+        output.print_json({"speaker": scene.speaker.name, **facts, **entry})
     else:
-        output.print_postures(scene, postures, table)
+        output.print_postures(scene, postures, table, epg=epg)
     _refuse_unconverged(postures)
 
 
-def _write_posture(name: str, posture: Posture, plot: Path | None, plot_3d: Path | None, vtk: Path | None) -> None:
+def _write_posture(
+    name: str, posture: Posture, plot: Path | None, plot_3d: Path | None, plot_contact: Path | None, vtk: Path | None
+) -> None:
     from glossa import figures
 
     if plot is not None:
         _write(figures.midsagittal({name: posture}), plot)
     if plot_3d is not None:
         _write(figures.surfaces({name: posture}), plot_3d)
+    if plot_contact is not None:
+        _write(figures.contact_map({name: posture}), plot_contact)
     if vtk is not None:
         posture.to_meshio().write(vtk)
         output.wrote(vtk)

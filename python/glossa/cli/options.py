@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from glossa.anatomy.mirror import half_body
 from glossa.anatomy.speaker import Speaker
+from glossa.effects import DEFAULT
 from glossa.errors import InputError
 from glossa.motor.commands import VOWELS
 from glossa.scene import Scene
@@ -38,6 +39,31 @@ MirrorOption = Annotated[
         "--mirror/--no-mirror",
         help="Compute one half only: the same result, faster.",
         show_default="on if symmetric",
+    ),
+]
+ContactOption = Annotated[
+    bool | None,
+    typer.Option("--contact/--no-contact", help="Contact with the walls.", show_default="on if there are walls"),
+]
+FrictionOption = Annotated[
+    float, typer.Option("--friction", metavar="MU", help="Coulomb coefficient of contact; 0 for none.")
+]
+HyoidOption = Annotated[
+    str | None,
+    typer.Option(
+        "--hyoid",
+        metavar="mobile|fixed",
+        help="Whether the hyoid bone moves.",
+        show_default="mobile if there is a bone",
+    ),
+]
+EpgOption = Annotated[
+    bool, typer.Option("--epg", help="Also print the palatogram: electrodes on the hard palate, # where touched.")
+]
+PlotContactOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--plot-contact", metavar="FILE", help="Picture of what touches palate, velum and pharynx, from above."
     ),
 ]
 PlotOption = Annotated[
@@ -77,25 +103,37 @@ def make_speaker(name: str, resolution: int = 1) -> Speaker:
     return Speaker.load(path)
 
 
-def make_scene(speaker: Speaker, gravity: str = "upright", mirror: bool | None = None) -> Scene:
-    """The scene that ``--gravity`` and ``--mirror`` ask for.
+def make_scene(
+    speaker: Speaker,
+    gravity: str = "upright",
+    mirror: bool | None = None,
+    contact: bool | None = None,
+    friction: float = 0.1,
+    hyoid: str | None = None,
+) -> Scene:
+    """The scene that the options ask for; None leaves a choice to the speaker: ``mirror`` to its symmetry.
 
     Raises:
-        InputError: an unknown direction, or a half model of a speaker that is not symmetric.
+        InputError: an unknown direction or hyoid, what the speaker lacks, or a half model of one that is not symmetric.
     """
     if gravity not in ("upright", "supine", "none"):
         raise InputError(f"--gravity must be upright, supine or none, got {gravity!r}")
-    half = is_symmetric(speaker) if mirror is None else mirror
-    return Scene(speaker, gravity=None if gravity == "none" else gravity, mirror=half)
-
-
-def is_symmetric(speaker: Speaker) -> bool:
-    """Whether the half model represents the speaker."""
+    if hyoid not in (None, "mobile", "fixed"):
+        raise InputError(f"--hyoid must be mobile or fixed, got {hyoid!r}")
+    make = partial(
+        Scene,
+        speaker,
+        gravity=None if gravity == "none" else gravity,
+        contact=DEFAULT if contact is None else contact,
+        friction=friction,
+        hyoid=DEFAULT if hyoid is None else hyoid,
+    )
+    if mirror is not None:
+        return make(mirror=mirror)
     try:
-        half_body(speaker)
-    except InputError:
-        return False
-    return True
+        return make(mirror=True)
+    except InputError:  # not symmetric, or a fault that the full model has, too
+        return make(mirror=False)
 
 
 def vowel_name(given: str) -> str:
@@ -127,13 +165,13 @@ def check_output(path: Path | None, suffixes: Sequence[str] = ()) -> None:
 
 
 def with_picture_names(arguments: Sequence[str]) -> list[str]:
-    """Arguments in which ``--plot`` and ``--plot-3d`` have a file: ``glossa vowel i --plot`` writes vowel-i.png."""
+    """Arguments in which every picture option has a file: ``glossa vowel i --plot`` writes vowel-i.png."""
     listed = list(arguments)
     words = [word for word in listed[:2] if not word.startswith("-")]
     stem = "-".join(words).replace("@", "schwa").replace("ə", "schwa")
     result = []
     for k, word in enumerate(listed):
         bare = k + 1 == len(listed) or listed[k + 1].startswith("-")
-        named = word in ("--plot", "--plot-3d") and bare
+        named = word in ("--plot", "--plot-3d", "--plot-contact") and bare
         result.append(f"{word}={stem}{word.removeprefix('--plot')}.png" if named else word)
     return result

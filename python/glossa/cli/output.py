@@ -10,6 +10,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
 import typer
 import xarray as xr
 from rich.console import Console
@@ -18,9 +19,10 @@ from rich.table import Table
 from glossa import paper
 from glossa.anatomy.speaker import Speaker
 from glossa.errors import InputError, SolveError
+from glossa.palatogram import palatogram
 from glossa.results import Movement, Posture
 from glossa.scene import Scene
-from glossa.studies import displacements_mm, tracked_nodes
+from glossa.studies import contact_over_time, contact_table, displacements_mm, tracked_nodes
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
@@ -67,8 +69,13 @@ def print_json(value: Mapping[str, Any]) -> None:
     sys.stdout.write(json.dumps(value, ensure_ascii=False, indent=2, allow_nan=False) + "\n")
 
 
-def posture_json(table: xr.Dataset, name: str) -> dict[str, Any]:
-    """One posture of :func:`glossa.studies.posture_table`; null where it has not converged."""
+def posture_json(table: xr.Dataset, name: str, posture: Posture, *, epg: bool = False) -> dict[str, Any]:
+    """One posture and its row of :func:`glossa.studies.posture_table`; null where it has not converged.
+
+    "contact" is null without contact, "hyoid_displacement_mm" (x, z) with a fixed hyoid. "palatogram" is there only
+    with ``epg``: rows of 1 and 0, a blank where there is no electrode.
+    """
+    around = contact_table({name: posture}).sel(posture=name)
     row = table.sel(posture=name)
     forces = zip(table["muscle"].values.tolist(), row["forces"].values.tolist(), strict=True)
     return {
@@ -77,9 +84,34 @@ def posture_json(table: xr.Dataset, name: str) -> dict[str, Any]:
         "formants_Hz": None,
         "tip_displacement_mm": [_number(x) for x in row["displacement"].sel(point="tip").values.tolist()],
         "dorsum_displacement_mm": [_number(x) for x in row["displacement"].sel(point="dorsum").values.tolist()],
+        "contact": None if posture.contact is None else _contact_json(around),
+        "hyoid_displacement_mm": None if posture.hyoid is None else _hyoid_json(around),
+        **({"palatogram": _palatogram_json(posture)} if epg else {}),
         "iterations": int(row["iterations"]),
         "seconds": _number(float(row["seconds"]), 6),
     }
+
+
+def _contact_json(around: xr.Dataset) -> dict[str, Any]:
+    """By wall, area and force; over time where there is a dimension time."""
+    return {
+        wall: {
+            "area_mm2": _numbers(around["area"].sel(wall=wall).values.tolist()),
+            "force_N": _numbers(around["force"].sel(wall=wall).values.tolist()),
+        }
+        for wall in around["wall"].values.tolist()
+    }
+
+
+def _hyoid_json(around: xr.Dataset) -> Any:
+    """X and z, mm; over time where there is a dimension time."""
+    return _numbers(around["hyoid_displacement"].sel(axis=["x", "z"]).values.tolist())
+
+
+def _palatogram_json(posture: Posture) -> dict[str, Any]:
+    gram = palatogram(posture)
+    signs = np.ma.MaskedArray(np.where(gram.rows.data, "1", "0"), mask=gram.rows.mask)
+    return {"percent": _number(gram.percent, 3), "rows": ["".join(row) for row in signs.filled(" ").tolist()]}
 
 
 def movement_json(movement: Movement, name: str) -> dict[str, Any]:
@@ -90,6 +122,7 @@ def movement_json(movement: Movement, name: str) -> dict[str, Any]:
         for point, node in tracked_nodes(movement.speaker).items()
     }
     forces = movement.forces
+    around = contact_over_time(movement)
     return {
         "speaker": movement.speaker.name,
         "vowel": name,
@@ -97,6 +130,8 @@ def movement_json(movement: Movement, name: str) -> dict[str, Any]:
         "times_s": movement.times.tolist(),
         "forces_N": {muscle: forces[muscle].round(6).tolist() for muscle in forces},
         **moved,
+        "contact": None if movement.contact is None else _contact_json(around),
+        "hyoid_displacement_mm": None if movement.hyoid is None else _hyoid_json(around),
         "steps": movement.report.steps,
         "seconds": _number(movement.report.seconds["total"], 6),
     }
@@ -114,6 +149,7 @@ def speaker_json(speaker: Speaker) -> dict[str, Any]:
         "node_sets": {name: len(nodes) for name, nodes in speaker.node_sets.items()},
         "contours": {name: len(nodes) for name, nodes in speaker.contours.items()},
         "walls": list(speaker.walls),
+        "contact_faces": {name: len(faces) for name, faces in speaker.contact_faces.items()},
         "hyoid": speaker.hyoid is not None,
         "fingerprint": speaker.fingerprint,
     }
@@ -134,21 +170,53 @@ def muscles_json(speaker: Speaker) -> dict[str, Any]:
     return result
 
 
+def costs_json(costs: xr.Dataset) -> dict[str, Any]:
+    """The table of :func:`glossa.studies.effect_costs`."""
+    scenes: dict[str, Any] = {}
+    for scene in costs["scene"].values.tolist():
+        row = costs.sel(scene=scene)
+        scenes[scene] = {
+            "seconds": _number(float(row["seconds"]), 6),
+            "contact_seconds": _number(float(row["contact_seconds"]), 6),
+            **{name: int(row[name]) for name in ("factorisations", "residuals", "stages")},
+        }
+    changes = {
+        effect: {
+            name: _number(float(costs[name].sel(effect=effect)), 6) for name in ("tip_change_largest", "tip_change_end")
+        }
+        for effect in costs["effect"].values.tolist()
+    }
+    facts = {name: costs.attrs[name] for name in ("speaker", "vowel", "until_s", "dt_s", "integrator", "repetitions")}
+    return {**facts, "mirror": bool(costs.attrs["mirror"]), "scenes": scenes, "left_out_mm": changes}
+
+
 def _number(value: float, digits: int = 9) -> float | None:
     return round(value, digits) + 0.0 if math.isfinite(value) else None
+
+
+def _numbers(values: Any, digits: int = 6) -> Any:
+    """Numbers in nested lists, rounded; None where not finite."""
+    return [_numbers(value, digits) for value in values] if isinstance(values, list) else _number(values, digits)
 
 
 # Tables
 
 
-def print_postures(scene: Scene, postures: Mapping[str, Posture], table: xr.Dataset) -> None:
-    """Forces beside Table II, and displacements; for postures without a row in Table II, active muscles only."""
+def print_postures(scene: Scene, postures: Mapping[str, Posture], table: xr.Dataset, *, epg: bool = False) -> None:
+    """Forces beside Table II, displacements, contact; for postures without a row in Table II, active muscles only."""
     console = Console()
     console.print(f"{scene.speaker.name}: {', '.join(scene.effects)}", style="bold", highlight=False, soft_wrap=True)
     console.print("Muscle forces, N" + (": here / paper's Table II" if _in_table_2(table) else ""), highlight=False)
     console.print(_force_table(table))
     console.print("Displacement from rest, mm: x backward, z upward", highlight=False)
     console.print(_displacement_table(postures, table))
+    contact, hyoid = scene.contact, scene.hyoid == "mobile"
+    if contact or hyoid:
+        words = ["Contact: area, mm² / force, N"] * contact + ["Hyoid: displacement x / z, mm"] * hyoid
+        console.print(". ".join(words), highlight=False)
+        console.print(_surroundings_table(postures, contact=contact, hyoid=hyoid))
+    if epg:
+        _print_palatograms(console, postures)
     for note in scene.notes:
         console.print(f"note: {note}", style="dim", highlight=False)
 
@@ -188,6 +256,37 @@ def _displacement_table(postures: Mapping[str, Posture], table: xr.Dataset) -> T
     return shown
 
 
+def _surroundings_table(postures: Mapping[str, Posture], *, contact: bool, hyoid: bool) -> Table:
+    """A row for each wall that something touches, and one for a mobile hyoid."""
+    around = contact_table(postures)
+    shown = Table()
+    shown.add_column("")
+    for name in postures:
+        shown.add_column(_slashed(name), justify="right")
+    sizes = (around["force"] ** 2).sum("axis", skipna=False) ** 0.5
+    for wall in around["wall"].values.tolist():
+        areas, forces = around["area"].sel(wall=wall), sizes.sel(wall=wall)
+        if bool((areas > 0.0).any()):
+            pairs = zip(areas.values.tolist(), forces.values.tolist(), strict=True)
+            shown.add_row(wall, *(f"{area:.0f} / {force:5.2f}" if area != 0.0 else "-" for area, force in pairs))
+    if contact and not shown.row_count:
+        shown.add_row("nothing touches")
+    if hyoid:
+        moved = around["hyoid_displacement"].sel(axis=["x", "z"]).values.tolist()
+        shown.add_row("hyoid", *(f"{x:+.1f} / {z:+5.1f}" for x, z in moved))
+    return shown
+
+
+def _print_palatograms(console: Console, postures: Mapping[str, Posture]) -> None:
+    """Side by side, front at the top."""
+    console.print("Palatogram, front at the top; share of electrodes touched", highlight=False)
+    shown = Table.grid(padding=(0, 3))
+    grams = {name: palatogram(posture) for name, posture in postures.items()}
+    shown.add_row(*(f"{_slashed(name)}  {gram.percent:.0f} %" for name, gram in grams.items()))
+    shown.add_row(*(gram.text() for gram in grams.values()))
+    console.print(shown, highlight=False)
+
+
 def print_movement(movement: Movement, name: str) -> None:
     """Final forces and displacements, and what the movement took."""
     console = Console()
@@ -205,6 +304,44 @@ def print_movement(movement: Movement, name: str) -> None:
     forces = end.forces
     active = ", ".join(f"{muscle} {force:.2f}" for muscle, force in forces.items() if force >= 0.005)
     console.print(f"forces at the end, N: {active or 'none'}", highlight=False)
+    if end.hyoid is not None:
+        x, _, z = end.hyoid.displacement * 1e3
+        console.print(f"hyoid at the end: x {x:+.1f} mm, z {z:+.1f} mm", highlight=False)
+    if end.contact is not None:
+        sizes = np.linalg.norm(end.contact.forces.to_numpy(), axis=1)
+        pairs = zip(end.contact.touched_areas.items(), sizes.tolist(), strict=True)
+        touched = ", ".join(f"{wall} {area * 1e6:.0f} mm², {force:.2f} N" for (wall, area), force in pairs if area > 0)
+        console.print(f"contact at the end: {touched or 'nothing touches'}", highlight=False)
+
+
+def print_costs(costs: xr.Dataset) -> None:
+    """Seconds of each scene, and changes at the tip without each effect."""
+    console = Console()
+    facts = costs.attrs
+    half = "mirrored" if facts["mirror"] else "full"
+    console.print(
+        f"{facts['speaker']}, {half}: {facts['until_s'] * 1e3:g} ms of {_slashed(facts['vowel'])}, "
+        f"{facts['integrator']} {facts['dt_s'] * 1e3:g} ms; processor time, best of {facts['repetitions']}",
+        style="bold",
+        highlight=False,
+    )
+    shown = Table()
+    for heading in ("", "seconds", "ratio", "in contact", "factorisations"):
+        shown.add_column(heading, justify="right" if heading else "left")
+    bare = float(costs["seconds"][0])
+    for scene in costs["scene"].values.tolist():
+        row = costs.sel(scene=scene)
+        seconds = float(row["seconds"])
+        cells = f"{seconds:.3f}", f"{seconds / bare:.2f}", f"{float(row['contact_seconds']):.3f}"
+        shown.add_row(scene, *cells, f"{int(row['factorisations'])}")
+    console.print(shown)
+    without = Table()
+    for heading in ("all effects, but without", "tip moves otherwise by, mm: at most", "at the end"):
+        without.add_column(heading, justify="left" if heading.startswith("all") else "right")
+    for effect in costs["effect"].values.tolist():
+        row = costs.sel(effect=effect)
+        without.add_row(effect, f"{float(row['tip_change_largest']):.2f}", f"{float(row['tip_change_end']):.2f}")
+    console.print(without)
 
 
 def print_muscles(speaker: Speaker) -> None:

@@ -4,11 +4,14 @@ Each returns a :class:`matplotlib.figure.Figure`, to show in a notebook or to wr
 """
 
 from glossa.figures.charts import force_bars, movement_traces
+from glossa.figures.contact import contact_map, electropalatogram
 from glossa.figures.midsagittal import midsagittal, midsagittal_panels
 from glossa.figures.overview import overview
 from glossa.figures.spatial import muscles, surfaces
 
 __all__ = [
+    "contact_map",
+    "electropalatogram",
     "force_bars",
     "midsagittal",
     "midsagittal_panels",

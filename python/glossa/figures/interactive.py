@@ -9,15 +9,19 @@ import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.figures import style
+from glossa.figures.surroundings import hyoid_of, springs_of, walls_of
 from glossa.results import Posture
 
 
-def view(posture: Posture, *, muscle: str | None = None, screenshot: str | Path | None = None) -> None:
-    """Open a window with tongue, the half of the walls behind it, and hyoid; or write a picture of it.
+def view(
+    posture: Posture, *, muscle: str | None = None, springs: bool = False, screenshot: str | Path | None = None
+) -> None:
+    """Open a window with tongue, the half of the walls behind it, and hyoid at its pose; or write a picture of it.
 
     Args:
         posture: what to show.
         muscle: also show the fibres of this muscle, through a translucent tongue.
+        springs: also show the springs that hold the hyoid.
         screenshot: write this PNG file off screen and open no window.
 
     Raises:
@@ -38,12 +42,16 @@ def view(posture: Posture, *, muscle: str | None = None, screenshot: str | Path 
         segments = speaker.muscles[muscle].segments[:, :2]
         lines = pyvista.PolyData(posture.positions, lines=_padded(segments))
         plotter.add_mesh(lines, color=style.FIBRE, line_width=3)
-    for wall in speaker.walls.values():
+    for wall in walls_of(posture).values():
         surface = pyvista.PolyData(wall.vertices, _padded(wall.triangles)).clip(normal="-y", origin=(0.0, 0.0, 0.0))
         plotter.add_mesh(surface, color=style.BONE, smooth_shading=True)
-    if speaker.hyoid is not None and speaker.hyoid.surface is not None:
-        bone = pyvista.PolyData(speaker.hyoid.surface.vertices, _padded(speaker.hyoid.surface.triangles))
-        plotter.add_mesh(bone, color="#EDE6D0", smooth_shading=True)
+    bone = hyoid_of(posture)
+    if bone is not None:
+        plotter.add_mesh(pyvista.PolyData(bone.vertices, _padded(bone.triangles)), color="#EDE6D0", smooth_shading=True)
+    ends = springs_of(posture)
+    if springs and len(ends):
+        pairs = np.arange(2 * len(ends), dtype=np.int32).reshape(-1, 2)
+        plotter.add_mesh(pyvista.PolyData(ends.reshape(-1, 3), lines=_padded(pairs)), color=style.HYOID, line_width=2)
     plotter.camera_position = [_viewpoint(posture.positions), posture.positions.mean(axis=0), (0.0, 0.0, 1.0)]
     plotter.camera.parallel_scale = 0.055
     if screenshot is None:

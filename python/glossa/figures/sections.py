@@ -6,11 +6,10 @@ import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.hexahedra import FACES
+from glossa.anatomy.plane_cut import plane_cut
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
-
-_JOIN = 1e-8  # m; ends of cut segments nearer than this are one point
 
 
 def midsagittal_outline(speaker: Speaker) -> IntArray:
@@ -74,41 +73,5 @@ def smooth_closed(points: FloatArray, divisions: int = 6) -> FloatArray:
 
 
 def midsagittal_cut(wall: Wall) -> list[FloatArray]:
-    """Lines (k, 2) in x and z, m, in which y = 0 cuts a wall; closed lines repeat their first point.
-
-    A point at y = 0 counts as y > 0, so that edges in the plane appear once.
-    """
-    corners = wall.vertices[wall.triangles]
-    above = corners[:, :, 1] >= 0.0
-    crossed = above.any(axis=1) & ~above.all(axis=1)
-    corners, above = corners[crossed], above[crossed]
-    following, above_next = np.roll(corners, -1, axis=1), np.roll(above, -1, axis=1)
-    fall = corners[:, :, 1] - following[:, :, 1]
-    share = np.where(above != above_next, corners[:, :, 1] / np.where(fall == 0.0, 1.0, fall), 0.0)
-    points = corners + share[:, :, None] * (following - corners)
-    segments = points[above != above_next][:, [0, 2]].reshape(-1, 2, 2)
-    return _joined(segments[np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) > _JOIN])
-
-
-def _joined(segments: FloatArray) -> list[FloatArray]:
-    """Lines made of segments (s, 2, 2) that share end points."""
-    if len(segments) == 0:
-        return []
-    keys = np.unique(np.round(segments.reshape(-1, 2) / _JOIN), axis=0, return_inverse=True)[1].reshape(-1, 2)
-    place = dict(zip(keys.ravel().tolist(), segments.reshape(-1, 2), strict=True))
-    around: dict[int, list[int]] = {}
-    for number, ends in enumerate(keys.tolist()):
-        for end in ends:
-            around.setdefault(end, []).append(number)
-    unused = set(range(len(keys)))
-    ends_first = sorted(around, key=lambda end: len(around[end]) == 2)
-    lines = []
-    for start in ends_first:
-        while any(number in unused for number in around[start]):
-            path = [start]
-            while following := [number for number in around[path[-1]] if number in unused]:
-                unused.remove(following[0])
-                a, b = keys[following[0]]
-                path.append(int(b if a == path[-1] else a))
-            lines.append(np.array([place[end] for end in path]))
-    return lines
+    """Lines (k, 2) in x and z, m, in which y = 0 cuts a wall; closed lines repeat their first point."""
+    return plane_cut(wall, 1)

@@ -34,4 +34,27 @@ TEST_CASE("inertia: a translation carries the whole mass, and no mass rate no fo
   CHECK_WITHIN((total - 8e-3 * Vector3(1, 0, -2)).norm(), 1e-16);  // 8 cm3 of water
 }
 
+TEST_CASE("inertia: point masses add to the mass at their nodes, in the effect as in the matrix") {
+  const HexMesh mesh = block(2, 1, 1, 0.2, 0.01, 1);
+  const std::vector<double> masses = element_masses(mesh, 1040.0);
+  const std::vector<PointMass> points{{4, 0.02}, {4, 0.01}, {9, 0.005}, {12, 0.7}};  // 12 is an outside point
+  Inertia with(mesh.hexahedra(), mesh.node_count(), masses, points),
+      without(mesh.hexahedra(), mesh.node_count(), masses);
+  const NodeField x = Random(62).field(mesh.nodes().size(), 0.1);
+  NodeField product(x.size(), 0.0), tissue(x.size(), 0.0);
+  with.multiply(2.0, x, product);
+  without.multiply(2.0, x, tissue);
+  NodeField expected(x.size(), 0.0);
+  for (const PointMass& point : points)
+    Eigen::Map<Vector3>(expected.data() + 3 * point.node) += 2.0 * point.mass * at(x, point.node);
+  CHECK_WITHIN(worst_entry(sum(product, tissue, -1.0), expected), 1e-15);
+
+  BlockMatrix matrix(mesh.node_count(), FreeMask(mesh.nodes().size(), 1), mesh.hexahedra(), {}, &natural_order);
+  matrix.set_mass(masses);
+  for (const PointMass& point : points) matrix.add_mass(point.node, point.mass);
+  matrix.gather(std::vector<double>(2 * 324, 0.0), 2.0, 1);
+  CHECK_WITHIN(worst_entry(as_vector(product).head(36), (dense(matrix.columns(1)) * as_vector(x).head(36)).eval()),
+               1e-14);
+}
+
 }  // namespace glossa::test

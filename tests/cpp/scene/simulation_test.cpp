@@ -2,27 +2,10 @@
 
 #include <algorithm>
 
-#include "bodies.hpp"
+#include "movements.hpp"
 
 namespace glossa::test {
 namespace {
-
-Simulation started(Solver& solver, const CommandTable& commands, const SimulationOptions& options = {}) {
-  return {solver.system(solver.scene().options().free, commands.commanded()),
-          commands,
-          options,
-          solver.scene().mesh().nodes(),
-          {},
-          0.0};
-}
-
-SimulationOptions accurate(double step, Integrator integrator = Integrator::sdirk2) {
-  SimulationOptions options;
-  options.integrator = integrator;
-  options.max_step = step;
-  options.tolerance = 1e-11;
-  return options;
-}
 
 CommandTable ramp() {
   return {{0.0, 0.02}, {1.0, 1.0, 1.0, 0.75, 0.8, 0.85}, 3};
@@ -31,24 +14,6 @@ CommandTable ramp() {
 /// Commands without a corner inside the movement: a two-step method needs a smooth past.
 CommandTable long_ramp() {
   return {{0.0, 1.0}, {1.0, 1.0, 1.0, 0.2, 0.3, 0.4}, 3};
-}
-
-/// Every number of a state, what its history still answers included.
-std::vector<double> content(const State& s) {
-  std::vector<double> all{s.time, s.last_step};
-  for (const auto* field :
-       {&s.positions, &s.velocities, &s.momentum, &s.momentum_rate, &s.pressure, &s.stiffening, &s.activation,
-        &s.tension, &s.last_positions, &s.last_velocities, &s.last_momentum, &s.last_stiffening})
-    all.insert(all.end(), field->begin(), field->end());
-  if (s.activation.empty()) return all;
-  for (double back = 0.0; back < 0.02; back += 0.7e-3) {
-    std::vector<double> lengths, rates;
-    s.history.evaluate(s.time - back, lengths, rates);
-    all.insert(all.end(), lengths.begin(), lengths.end());
-    all.insert(all.end(), rates.begin(), rates.end());
-  }
-  all.push_back(static_cast<double>(s.history.size()));
-  return all;
 }
 
 NodeField positions_at(double end, Solver& solver, const CommandTable& commands, const SimulationOptions& options) {
@@ -292,11 +257,11 @@ TEST_CASE("simulation: refusals") {
   refused("error tolerance must be finite and not negative", [](SimulationOptions& o) { o.error_tolerance = -1.0; });
   refused("tolerance must be positive and finite", [](SimulationOptions& o) { o.tolerance = 0.0; });
   const auto system = solver.system(solver.scene().options().free, {true, true, true});
-  CHECK_THROWS_WITH_AS(Simulation(system, ramp(), {}, mesh.nodes(), {}, silent), "start time must be finite",
+  CHECK_THROWS_WITH_AS(Simulation(system, ramp(), {}, mesh.nodes(), {}, {}, {}, silent), "start time must be finite",
                        InputError);
   NodeField inverted = mesh.nodes();
   inverted[3 * 26 + 2] = 0.0;
-  CHECK_THROWS_WITH_AS(Simulation(system, ramp(), {}, inverted, {}, 0.0), "start: hexahedron 7 is inverted",
+  CHECK_THROWS_WITH_AS(Simulation(system, ramp(), {}, inverted, {}, {}, {}, 0.0), "start: hexahedron 7 is inverted",
                        InputError);
   Simulation simulation = started(solver, ramp());
   CHECK_THROWS_WITH_AS(simulation.advance(0.0, nullptr),

@@ -1,0 +1,38 @@
+// A smooth function from its samples on a lattice: a tensor product of uniform cubic B-splines, twice continuously
+// differentiable, local support of 4 x 4 x 4 coefficients.
+//
+// Coefficients are (-f[-1] + 8 f[0] - f[1]) / 6 along each axis: quasi-interpolation, exact for cubic polynomials,
+// local, so that a constant stays one. Exact interpolation is 10 to 25 % closer to a wall's surface but has curvatures
+// up to 1.8 times larger at its edges; the samples as coefficients are 2 to 3 times farther from it.
+#pragma once
+
+#include "contact/lattice.hpp"
+
+namespace glossa {
+
+class SplineGrid {
+ public:
+  SplineGrid() = default;
+  /// One sample per lattice point, at least 4 along each axis.
+  SplineGrid(const Lattice& lattice, std::vector<double> samples, int threads);
+
+  /// Whether the spline is defined at x: between the second lattice points from either end.
+  [[nodiscard]] bool covers(const Vector3& x) const;
+
+  /// For x covered.
+  [[nodiscard]] double value(const Vector3& x) const;
+  double value(const Vector3& x, Vector3& gradient) const;
+  double value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const;
+
+  [[nodiscard]] const Lattice& lattice() const { return lattice_; }
+
+ private:
+  template <int derivatives>
+  double evaluate(const Vector3& x, Vector3* gradient, Matrix3* hessian) const;
+
+  Lattice lattice_;
+  double per_spacing_ = 0.0;
+  std::vector<double> coefficients_;
+};
+
+}  // namespace glossa
