@@ -33,7 +33,7 @@ def mass(scene: Scene) -> float:
             [grown[:, 1] * grown[:, 2], grown[:, 0] * grown[:, 2], grown[:, 0] * grown[:, 1]], axis=1
         )
         volume += float(np.linalg.det(np.einsum("hai,aj->hij", nodes, slopes / 8.0)).sum())
-    return scene.tissue.density * volume
+    return float(scene.tissue.density * volume)
 
 
 def tongue_balance(scene: Scene, posture: Posture) -> FloatArray:

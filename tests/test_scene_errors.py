@@ -165,9 +165,10 @@ def test_walls_that_move(reference: Speaker) -> None:
         scene.equilibrate(prescribed={"wall:hard_palate": (0.0, 0.001, 0.0)})
     with pytest.raises(InputError, match="no wall 'nose'"):
         scene.equilibrate(prescribed={"wall:nose": (0.0, 0.0, 0.001)})
+    contact = scene.equilibrate().contact
+    assert contact is not None
     with pytest.raises(InputError, match="no wall 'nose'"):
-        assert scene.equilibrate().contact is not None
-        scene.equilibrate().contact.at_wall("nose")  # type: ignore[union-attr]
+        contact.at_wall("nose")
 
 
 # Commands

@@ -144,8 +144,10 @@ class Simulation:
 
     @property
     def potential_energy(self) -> float:
-        """Of tissue, weight, hyoid springs and the penalty of contact, without muscles and friction, of the body or,
-        mirrored, of its half, J."""
+        """Of tissue, weight, hyoid springs and the penalty of contact, without muscles and friction, J.
+
+        Of the body or, mirrored, of its half.
+        """
         return float(self._core.potential_energy)
 
     def step(self, dt: float) -> float:

@@ -9,20 +9,20 @@ constexpr ContactLaw law{4e8, 5e-5, 3e8, 0.2};
 
 }  // namespace
 
-TEST_CASE("contact law: pressure never pulls, starts with the stiffness and grows without bound near the deepest") {
+TEST_CASE("contact law: pressure never pulls, starts with the stiffness and grows ever faster near the deepest") {
   CHECK(law.pressure(-1e-5) == 0.0);
   CHECK(law.pressure(0.0) == 0.0);
   CHECK_WITHIN(std::abs(law.pressure(1e-10) / (4e8 * 1e-10) - 1.0), 1e-5);
   CHECK_WITHIN(std::abs(law.pressure(2.5e-5) / (2.0 * 4e8 * 2.5e-5) - 1.0), 1e-15);
-  CHECK_WITHIN(std::abs(law.pressure(4.5e-5) / (10.0 * 4e8 * 4.5e-5) - 1.0), 1e-14);
-  CHECK(law.pressure(5e-5) > 3e5);  // 60 times what a tongue presses with
+  CHECK_WITHIN(std::abs(law.pressure(4e-5) / (5.0 * 4e8 * 4e-5) - 1.0), 1e-14);
+  CHECK_WITHIN(std::abs(law.pressure(5e-5) / (5.0 * 4e8 * 4e-5 + 25.0 * 4e8 * 1e-5) - 1.0), 1e-14);
   for (double depth = 1e-6; depth < 1e-4; depth += 1e-6) CHECK(law.pressure(depth) > law.pressure(depth - 1e-6));
 }
 
 TEST_CASE("contact law: pressure is the slope of the energy, its slope that of the pressure") {
-  for (const double depth : {-3e-5, -1e-6, 1e-6, 1e-5, 2.5e-5, 4.4e-5, 4.6e-5, 2e-4}) {
+  for (const double depth : {-3e-5, -1e-6, 1e-6, 1e-5, 2.5e-5, 3.9e-5, 4.1e-5, 2e-4}) {
     CAPTURE(depth);
-    const double step = depth < 4e-5 || depth > 1e-4 ? 1e-7 : 1e-8;  // on one side of 45 um
+    const double step = depth < 3e-5 || depth > 1e-4 ? 1e-7 : 1e-8;  // on one side of 40 um
     const double energy = slope([&](double h) { return law.energy(depth + h); }, step);
     CHECK_WITHIN(std::abs(energy - law.pressure(depth)), 1e-5 * (1.0 + law.pressure(depth)));
     const double pressure = slope([&](double h) { return law.pressure(depth + h); }, step);
@@ -34,7 +34,7 @@ TEST_CASE("contact law: pressure is the slope of the energy, its slope that of t
 }
 
 TEST_CASE("contact law: energy, pressure and slope have no jump where the law goes on in a straight line") {
-  const double limit = 0.9 * law.deepest;
+  const double limit = 0.8 * law.deepest;
   for (const double depth : {0.0, limit}) {
     const double before = depth - 1e-14, after = depth + 1e-14;
     CHECK_WITHIN(std::abs(law.energy(after) - law.energy(before)) / law.energy(limit), 1e-8);

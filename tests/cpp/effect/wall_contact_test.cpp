@@ -21,8 +21,8 @@ Wall bowl() {
   return wall;
 }
 
-/// Top of block(2, 2, 2), pressed into the ball and into a second wall; some points at an offset, some as in a mirrored
-/// half.
+/// Top of block(2, 2, 2) at a ball or bowl and a second wall, by offsets at gaps of -40 to 30 um; some points as in a
+/// mirrored half.
 struct Touching {
   HexMesh mesh = block(2, 2, 2, 0.1);
   ContactPoints points = top_points(2, 2, 2, 3);
@@ -34,11 +34,15 @@ struct Touching {
       : walls{std::move(first), roof(0.0195)} {
     Random random(251);
     for (std::size_t k = 0; k < points.wall.size(); k += 4) points.wall[k] = 1;
-    for (std::size_t k = 0; k < points.offset.size(); k += 3) points.offset[k] = 4e-4;
     if (mirrored)
       for (PointWeight& w : points.weights.values) w.across = random(-1.0, 1.0) * w.along;
     effect = std::make_unique<WallContact>(points, walls, ContactLaw{stiffness, 5e-5, 0.1 * stiffness, friction});
     trial.positions = sum(mesh.nodes(), random.field(mesh.nodes().size(), 3e-4));
+    for (Index k = 0; k < points.count(); ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      points.offset[i] = random(-4e-5, 3e-5) -
+                         walls[static_cast<std::size_t>(points.wall[i])]->distance(points.position(k, trial.positions));
+    }
     ContactState state = effect->state();
     for (double& a : state.advance) a = std::max(0.0, random(-1e-5, 2e-5));
     effect->set_state(std::move(state));
@@ -76,16 +80,16 @@ struct Touching {
   }
   Vector gradient() {
     Vector result(81);
-    for (Eigen::Index k = 0; k < 81; ++k) result(k) = slope([&](double h) { return energy(moved(k, h)); }, 1e-7);
+    for (Eigen::Index k = 0; k < 81; ++k) result(k) = slope([&](double h) { return energy(moved(k, h)); }, 1e-8);
     return result;
   }
-  /// Friction bounds from the pressures here, and a slip of up to `size` (m) since the increment began. Returns how
-  /// many points slide and how many stick.
+  /// Friction bounds from the pressures here, and a slip of `size` (m) since the increment began. Returns how many
+  /// points slide and how many stick.
   std::pair<int, int> slip(double size) {
     force(trial.positions);
     effect->update_bounds(1.0);
-    effect->begin_increment(trial.positions, {Vector3::Zero(), Vector3::Zero()});
-    trial.positions = sum(trial.positions, Random(252).field(81, size));
+    const Vector3 back = size * Vector3(0.8, -0.6, 0.0);
+    effect->begin_increment(trial.positions, {back, back});
     force(trial.positions);
     std::vector<double> pressure;
     std::vector<Vector3> drag;
@@ -115,7 +119,7 @@ TEST_CASE("wall contact: pressure times area along the wall's normal, shared by 
   const double pressure = stiffness * 2e-5 / (1.0 - 0.4);
   for (Index n = 0; n < 8; ++n) {
     const double share = n < 4 ? 0.0 : 0.25 * 1e-4 * pressure;  // the body resists upwards: downwards push
-    CHECK_WITHIN((at(force, n) - Vector3(0, 0, share)).norm(), 1e-13);
+    CHECK_WITHIN((at(force, n) - Vector3(0, 0, share)).norm(), 1e-12);
   }
   CHECK(effect.active_count() == 1);
   CHECK_WITHIN(std::abs(effect.penetration() - 2e-5), 1e-17);
@@ -142,7 +146,7 @@ TEST_CASE("wall contact: without friction the force is the gradient of the energ
       Touching t(0.0, wall, mirrored);
       const Vector force = t.force(t.trial.positions);
       REQUIRE(t.effect->active_count() > 8);
-      REQUIRE(t.effect->penetration() > 1e-4);
+      REQUIRE(t.effect->penetration() > 3e-5);
       CHECK_WITHIN(worst_entry(force, t.gradient()), 1e-9);  // rounding eps E / (h f)
       const Eigen::MatrixXd tangent = t.tangent(), reference = t.differences();
       CHECK_WITHIN(worst_entry(tangent, reference), 5e-9);  // rounding eps f / (h K)
@@ -152,11 +156,11 @@ TEST_CASE("wall contact: without friction the force is the gradient of the energ
 
 TEST_CASE("wall contact: the same with friction at held bounds, sticking, sliding and both") {
   for (const bool mirrored : {false, true})
-    for (const double size : {2e-7, 4e-5, 2e-3}) {
+    for (const double size : {1e-8, 1.5e-4, 2e-3}) {
       Touching t(0.3, ball(), mirrored);
       const auto [sliding, sticking] = t.slip(size);
       CAPTURE(size);
-      CHECK(((size == 2e-7 && sliding == 0) || (size == 2e-3 && sliding > 8) || (sliding > 0 && sticking > 0)));
+      CHECK((size == 1e-8 ? sticking > 12 : size == 2e-3 ? sliding > 12 : sliding > 3 && sticking > 3));
       const Vector force = t.force(t.trial.positions);
       CHECK_WITHIN(worst_entry(force, t.gradient()), 1e-9);
       CHECK_WITHIN(worst_entry(t.tangent(), t.differences()), 1e-8);  // truncation where the slip is small
@@ -182,9 +186,9 @@ TEST_CASE("wall contact: friction resists the slip within the plane of the wall"
   };
   const double pressure = stiffness * 2e-5 / (1.0 - 0.4);
   CHECK_WITHIN((top(Vector3(3e-6, -4e-6, 0)) - 1e-4 * Vector3(3e-6 * stiffness, -4e-6 * stiffness, pressure)).norm(),
-               1e-12);                                                                                     // sticks
-  CHECK_WITHIN((top(Vector3(3e-4, -4e-4, 0)) - 1e-4 * pressure * Vector3(0.3, -0.4, 1.0)).norm(), 1e-12);  // slides
-  CHECK_WITHIN((top(Vector3(0, 0, 1e-5)) - 1e-4 * Vector3(0, 0, stiffness * 3e-5 / (1.0 - 0.6))).norm(), 1e-12);
+               1e-11);                                                                                     // sticks
+  CHECK_WITHIN((top(Vector3(3e-4, -4e-4, 0)) - 1e-4 * pressure * Vector3(0.3, -0.4, 1.0)).norm(), 1e-11);  // slides
+  CHECK_WITHIN((top(Vector3(0, 0, 1e-5)) - 1e-4 * Vector3(0, 0, stiffness * 3e-5 / (1.0 - 0.6))).norm(), 1e-11);
 }
 
 TEST_CASE("wall contact: the negative curvature of a convex wall can be left out, that of a concave one is positive") {
@@ -206,7 +210,7 @@ TEST_CASE("wall contact: the negative curvature of a convex wall can be left out
 TEST_CASE("wall contact: multiply is the assembled matrix times a field") {
   for (const bool mirrored : {false, true}) {
     Touching t(0.3, ball(), mirrored);
-    t.slip(4e-5);
+    t.slip(1.5e-4);
     const Eigen::MatrixXd tangent = t.tangent();
     const NodeField x = Random(253).field(81, 1.0);
     NodeField product(81, 0.0);
