@@ -13,8 +13,8 @@ from tests.blocks import FloatArray
 from tests.speaker_contact import (
     MUSCLES,
     REFLEX_ONLY,
-    FineSurface,
     bone_balance,
+    fine_surface,
     largest,
     on_both_sides,
     tongue_balance,
@@ -147,7 +147,7 @@ def test_contacts_of_i(pb: Speaker, friction: float) -> None:
 
 def groove_depths(pb: Speaker, posture: Posture) -> FloatArray:
     """(s,) m in slices along the palate: how far the midline lies below the highest point of its slice."""
-    points = FineSurface(pb).points(posture, "hard_palate")
+    points = fine_surface(pb).points(posture, "hard_palate")
     depths = []
     for x in np.arange(0.070, 0.100, 0.003):
         inside = np.abs(points[:, 0] - x) < 1.5e-3
@@ -303,7 +303,7 @@ def test_rest_feels_no_wall(pb: Speaker) -> None:
 @pytest.mark.parametrize("vowel", ["i", "a", "u"])
 def test_penetration_between_the_points(pb: Speaker, friction: float, vowel: str) -> None:
     """Contact points lie 2.5 mm apart. In between, every millimetre, the surface is up to 0.33 mm deep in places."""
-    fine, posture = FineSurface(pb), vowel_of(pb, friction, vowel)
+    fine, posture = fine_surface(pb), vowel_of(pb, friction, vowel)
     depths = np.concatenate([fine.depths(posture, wall) for wall in fine.walls])
     assert len(depths) > 5000
     assert depths.max() < 4e-4
