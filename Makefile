@@ -41,9 +41,10 @@ help:
 vowels: $(MADE_PACKAGE)
 	$(VENV)/bin/glossa vowels --plot vowels.png
 
+# Files share what they make (speakers, scenes, postures), so each goes to one process whole.
 test: $(CPP_TEST_RUN) $(MADE_DEV)
 	$(CPP_TEST_RUN)
-	$(PY) -m pytest
+	$(PY) -m pytest -n auto --maxprocesses 8 --dist loadfile
 
 lint: $(MADE_PACKAGE) $(MADE_DEV)
 	$(VENV)/bin/ruff check .

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from tests.blocks import FloatArray
 
@@ -92,6 +94,12 @@ class FineSurface:
     def walls(self) -> tuple[str, ...]:
         """With contact faces."""
         return tuple(self._samples)
+
+
+@cache
+def fine_surface(speaker: Speaker) -> FineSurface:
+    """Made once for each speaker."""
+    return FineSurface(speaker)
 
 
 def touched(posture: Posture, wall: str) -> FloatArray:

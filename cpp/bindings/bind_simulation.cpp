@@ -19,13 +19,14 @@ std::unique_ptr<Simulation> start(Solver& solver, const DoubleArray& times, cons
                                   const DoubleArray& positions, const py::object& pressure,
                                   const py::object& contact_pressure, const py::object& contact_drag,
                                   const py::object& wall_shift, double time, double max_step, double error_tolerance,
-                                  double tolerance, const std::string& method) {
+                                  double least_step, double tolerance, const std::string& method) {
   const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
   CommandTable commands(to_vector(times), to_vector(fractions), solver.scene().options().muscle_count);
   SimulationOptions options;
   options.integrator = integrator(method);
   options.max_step = max_step;
   options.error_tolerance = error_tolerance;
+  options.least_step = least_step;
   options.tolerance = tolerance;
   options.wall_shift = to_vectors(wall_shift, "wall displacements");
   options.interrupt = interrupted;
@@ -81,7 +82,8 @@ void bind_simulation(py::module_& module) {
            py::arg("fractions"), py::arg("positions"), py::arg("pressure") = py::none(),
            py::arg("contact_pressure") = py::none(), py::arg("contact_drag") = py::none(),
            py::arg("wall_shift") = py::none(), py::arg("time") = 0.0, py::arg("max_step") = 2e-3,
-           py::arg("error_tolerance") = 0.0, py::arg("tolerance") = 2e-6, py::arg("integrator") = "SDIRK2")
+           py::arg("error_tolerance") = 0.0, py::arg("least_step") = 1e-5, py::arg("tolerance") = 2e-6,
+           py::arg("integrator") = "SDIRK2")
       .def(
           "step",
           [](Simulation& s, double dt) {

@@ -21,7 +21,7 @@ namespace glossa {
 
 struct ContactLaw {
   double stiffness = 0.0;             ///< Pa/m, of a shallow penetration
-  double deepest = 5e-5;              ///< m, penetration that the law approaches and all but never reaches
+  double deepest = 4.5e-5;            ///< m, penetration that the law approaches and all but never reaches
   double tangential_stiffness = 0.0;  ///< Pa/m, of the slip before it slides
   double friction = 0.0;              ///< Coulomb's coefficient
 

@@ -30,6 +30,7 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
           "time step must be positive and finite, it is " + std::to_string(options_.max_step) + " s");
   require(std::isfinite(options_.error_tolerance) && options_.error_tolerance >= 0.0,
           "error tolerance must be finite and not negative");
+  require(std::isfinite(options_.least_step) && options_.least_step > 0.0, "least step must be positive and finite");
   require(std::isfinite(options_.tolerance) && options_.tolerance > 0.0, "tolerance must be positive and finite");
   require(std::isfinite(time), "start time must be finite");
   for (const double corner : commands_.corners())
@@ -94,7 +95,8 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   tissue_force(positions, state_.stiffening, 1.0, state_.momentum);
   for (double& x : state_.momentum) x *= system_.scene().options().damping.beta;
   scale_ = system_.force_scale();
-  state_.next_step = options_.error_tolerance > 0.0 ? std::min(longest_step(), 1e-3) : longest_step();
+  state_.next_step =
+      options_.error_tolerance > 0.0 ? std::min(longest_step(), std::max(1e-3, options_.least_step)) : longest_step();
 }
 
 bool Simulation::delayed() const {
@@ -158,14 +160,15 @@ Status Simulation::advance(double until, Recording* recording) {
       if (options_.error_tolerance > 0.0) {
         const double ratio = options_.error_tolerance / std::max(error, 1e-3 * options_.error_tolerance);
         const double change = std::clamp(0.85 * std::cbrt(ratio), 0.2, 2.5);
-        if (error > 1.5 * options_.error_tolerance && h > 1e-5) {
+        if (error > 1.5 * options_.error_tolerance && h > options_.least_step) {
           ++report_.rejected;
           taken = false;
-          h *= std::min(0.9, change);
+          h = std::max(h * std::min(0.9, change), std::min(options_.least_step, whole));
           proposal = h;
           continue;
         }
-        if (change < 0.9 || change > 1.25) proposal = std::min(h * change, longest_step());
+        if (change < 0.9 || change > 1.25)
+          proposal = std::min(std::max(h * change, options_.least_step), longest_step());
       }
       // The last step to a breakpoint lands on it exactly.
       if (h == whole && whole == next_breakpoint(until) - state_.time) next.time = next_breakpoint(until);

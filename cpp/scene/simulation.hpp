@@ -15,6 +15,7 @@ struct SimulationOptions {
   Integrator integrator = Integrator::sdirk2;
   double max_step = 2e-3;           ///< s; the step where `error_tolerance` is 0
   double error_tolerance = 0.0;     ///< m of estimated local error; > 0 lets the step adapt below max_step
+  double least_step = 1e-5;         ///< s; an adaptive step is not made shorter for the sake of its error
   double tolerance = 2e-6;          ///< residual of a stage over force scale
   std::vector<Vector3> wall_shift;  ///< m, where each wall stays displaced to
   Interrupt interrupt;

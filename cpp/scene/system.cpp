@@ -73,23 +73,35 @@ System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded)
       elasticity_(scene.mesh(), scene.batches(), scene.options().tissue, scene.options().element,
                   scene.options().threads),
       contact_(contact_of(scene)),
-      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)),
-      matrix_(scene.mesh().node_count(), free_, scene.mesh().hexahedra(), couplings(fibres_.nodes, contact_.get()),
-              &fill_reducing_order, scene.options().bone ? &scene.options().bone->ties : nullptr) {
-  if (fibres_.count() > 0) {
-    muscles_.emplace(fibres_, scene.options().force_law);
-    muscles_->bind(matrix_);
-  }
-  if (contact_) contact_->bind(matrix_);
+      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)) {
+  if (fibres_.count() > 0) muscles_.emplace(fibres_, scene.options().force_law);
   if (scene.options().bone) {
     motion_.emplace(scene.options().bone->ties, scene.mesh().nodes());
     springs_.emplace(scene.options().bone->springs);
   }
   if (!scene.weight().empty()) gravity_.emplace("gravity", scene.weight());
-  matrix_.set_mass(scene.masses());
-  for (const PointMass& point : masses_of(scene.options().bone)) matrix_.add_mass(point.node, point.mass);
-  cholesky_.emplace(matrix_.columns(1));
+  use_layout(false);
+  unknown_components_ = component_of_unknown();
+  std::sort(unknown_components_.begin(), unknown_components_.end());
   set_load({});
+}
+
+void System::use_layout(bool touching) {
+  std::unique_ptr<Layout>& wanted = layouts_[touching ? 1 : 0];
+  if (wanted && wanted.get() == layout_) return;
+  if (!wanted) {
+    const auto& bone = scene_.options().bone;
+    const Rows<Index> coupled = couplings(fibres_.nodes, touching ? contact_.get() : nullptr);
+    wanted = std::make_unique<Layout>(Layout{BlockMatrix(scene_.mesh().node_count(), free_, scene_.mesh().hexahedra(),
+                                                         coupled, &fill_reducing_order, bone ? &bone->ties : nullptr),
+                                             std::nullopt});
+    wanted->matrix.set_mass(scene_.masses());
+    for (const PointMass& point : masses_of(bone)) wanted->matrix.add_mass(point.node, point.mass);
+    wanted->cholesky.emplace(wanted->matrix.columns(1));
+  }
+  layout_ = wanted.get();
+  if (muscles_) muscles_->bind(layout_->matrix);
+  if (contact_ && touching) contact_->bind(layout_->matrix);
 }
 
 void System::set_load(NodeField load) {
@@ -176,25 +188,29 @@ double System::energy(const Trial& trial) const {
 }
 
 void System::assemble(const Trial& trial, double mass_scale) {
+  const bool touching = contact_ && contact_->active_count() > 0;
+  BlockMatrix* matrix = nullptr;
   {
     const Stopwatch watch(seconds_, Part::assembly);
+    use_layout(touching);
+    matrix = &layout_->matrix;
     elasticity_.set_mass_scale(mass_scale);
-    elasticity_.add_tangent(trial, matrix_);
+    elasticity_.add_tangent(trial, *matrix);
   }
   if (muscles_) {
     const Stopwatch watch(seconds_, Part::muscles);
-    muscles_->add_tangent(trial, matrix_);
+    muscles_->add_tangent(trial, *matrix);
   }
-  if (contact_) {
+  if (touching) {
     const Stopwatch watch(seconds_, Part::contact);
-    contact_->add_tangent(trial, matrix_);
+    contact_->add_tangent(trial, *matrix);
   }
   if (motion_) {
     const Stopwatch watch(seconds_, Part::hyoid);
-    springs_->add_tangent(trial, matrix_);
+    springs_->add_tangent(trial, *matrix);
     motion_->turn_gradients(trial.positions, turn_gradients_);
-    matrix_.eliminate(turn_gradients_);
-    matrix_.add(motion_->ties().turn, motion_->ties().turn, bone_curvature_);
+    matrix->eliminate(turn_gradients_);
+    matrix->add(motion_->ties().turn, motion_->ties().turn, bone_curvature_);
   }
 }
 
@@ -224,13 +240,13 @@ bool System::factorise_as_is(Report& report) {
   const Stopwatch watch(seconds_, Part::factorisation);
   ++report.factorisations;
   ++factor_stamp_;
-  return cholesky_->factorise(matrix_.columns(scene_.options().threads));
+  return layout_->cholesky->factorise(layout_->matrix.columns(scene_.options().threads));
 }
 
 bool System::factorise_shifted(Report& report) {
   const Stopwatch watch(seconds_, Part::factorisation);
   // Diagonal shift, growing from half a percent of the mean stiffness; the direction stays one of descent.
-  const LowerColumns& columns = matrix_.columns(scene_.options().threads);
+  const LowerColumns& columns = layout_->matrix.columns(scene_.options().threads);
   double mean = 0.0;
   const std::size_t n = columns.column_start.size() - 1;
   for (std::size_t j = 0; j < n; ++j)
@@ -239,22 +255,22 @@ bool System::factorise_shifted(Report& report) {
   if (!std::isfinite(mean)) return false;
   double shift = 5e-3 * mean;
   for (int attempt = 0; attempt < 7; ++attempt, shift *= 5.0) {
-    matrix_.shift_diagonal(shift);
+    layout_->matrix.shift_diagonal(shift);
     ++report.factorisations;
-    if (cholesky_->factorise(matrix_.columns(scene_.options().threads))) return true;
+    if (layout_->cholesky->factorise(layout_->matrix.columns(scene_.options().threads))) return true;
   }
   return false;
 }
 
 void System::newton_step(Vector& x) {
   const Stopwatch watch(seconds_, Part::solve);
-  cholesky_->solve(x);
+  layout_->cholesky->solve(x);
   x = -x;
 }
 
 void System::precondition(Vector& x) {
   const Stopwatch watch(seconds_, Part::solve);
-  cholesky_->solve_roughly(x);
+  layout_->cholesky->solve_roughly(x);
   x = -x;
 }
 
@@ -267,7 +283,7 @@ void System::multiply(const Trial& trial, const NodeField& x, NodeField& product
 }
 
 Vector System::restrict_free(const NodeField& field) const {
-  const auto& component = matrix_.component_of_unknown();
+  const auto& component = component_of_unknown();
   Vector result(static_cast<Eigen::Index>(component.size()));
   for (std::size_t k = 0; k < component.size(); ++k)
     result(static_cast<Eigen::Index>(k)) = field[static_cast<std::size_t>(component[k])];
@@ -275,7 +291,7 @@ Vector System::restrict_free(const NodeField& field) const {
 }
 
 void System::move(const Vector& increment, double length, NodeField& positions) const {
-  const auto& component = matrix_.component_of_unknown();
+  const auto& component = component_of_unknown();
   for (std::size_t k = 0; k < component.size(); ++k)
     positions[static_cast<std::size_t>(component[k])] += length * increment(static_cast<Eigen::Index>(k));
   place_tied(positions);
@@ -283,7 +299,7 @@ void System::move(const Vector& increment, double length, NodeField& positions) 
 
 NodeField System::spread(const Vector& increment, double length, const NodeField& positions) const {
   NodeField result(positions.size(), 0.0);
-  const auto& component = matrix_.component_of_unknown();
+  const auto& component = component_of_unknown();
   for (std::size_t k = 0; k < component.size(); ++k)
     result[static_cast<std::size_t>(component[k])] = length * increment(static_cast<Eigen::Index>(k));
   if (motion_) motion_->spread(positions, result);
@@ -296,7 +312,7 @@ void System::place_tied(NodeField& positions) const {
 
 double System::norm_free(const NodeField& field) const {
   double sum = 0.0;
-  for (const Index c : matrix_.component_of_unknown())
+  for (const Index c : unknown_components_)
     sum += field[static_cast<std::size_t>(c)] * field[static_cast<std::size_t>(c)];
   return std::sqrt(sum);
 }

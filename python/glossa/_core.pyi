@@ -143,6 +143,7 @@ class Simulation:
         time: float = 0.0,
         max_step: float = 2e-3,
         error_tolerance: float = 0.0,
+        least_step: float = 1e-5,
         tolerance: float = 2e-6,
         integrator: _Integrator | str = "SDIRK2",
     ) -> None: ...

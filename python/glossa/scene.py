@@ -394,7 +394,7 @@ class Scene:
         dt: float | None = None,
         accuracy: str | float = "standard",
         initial: Posture | None = None,
-        integrator: str = "SDIRK2",
+        integrator: str | None = None,
     ) -> Simulation:
         """A movement to be advanced step by step from Python; arguments as :meth:`simulate`."""
         if isinstance(schedule, Schedule):
@@ -431,7 +431,7 @@ class Scene:
         dt: float | None = None,
         accuracy: str | float = "standard",
         initial: Posture | None = None,
-        integrator: str = "SDIRK2",
+        integrator: str | None = None,
     ) -> Movement:
         """Movement under motor commands that change with time, from rest at time 0.
 
@@ -443,7 +443,8 @@ class Scene:
                 because the reflex needs the past. None: steps adapt to the accuracy.
             accuracy: "draft", "standard" or "reference", or the tolerated local error of a step in m.
             initial: posture to start from, without velocity; walls stay where it has them; None: rest positions.
-            integrator: "SDIRK2", "BDF2", "backward_euler" or "trapezoidal" (the last two for comparison).
+            integrator: "SDIRK2", "BDF2", "backward_euler" or "trapezoidal" (the last two for comparison). None: BDF2
+                with contact, which makes no energy at touching points, else SDIRK2.
 
         Raises:
             InputError: wrong input.

@@ -223,5 +223,8 @@ def test_bad_surroundings(make: Callable[[], Any], message: str) -> None:
 
 def test_wall_triangles_and_spring_rest_length() -> None:
     wall = Wall(CUBE, [[0, 1, 2, 3], [4, 5, 6, 6]])
-    assert wall.triangles.tolist() == [[0, 1, 2], [4, 5, 6], [0, 2, 3]]
+    # Triangles first; of the diagonals of a square, equally long, the one through its corner of least z, x and |y|.
+    assert wall.triangles.tolist() == [[4, 5, 6], [0, 1, 2], [0, 2, 3]]
+    kite = Wall([[0, 0, 0], [0.01, 0, 0], [0.015, 0.015, 0], [0, 0.01, 0]], [[0, 1, 2, 3]])
+    assert kite.triangles.tolist() == [[1, 2, 3], [1, 3, 0]]
     assert Spring([0, 0, 0], [0, 3, 4], 220.0).rest_length == 5.0

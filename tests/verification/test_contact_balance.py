@@ -145,7 +145,7 @@ def test_overlap_at_rest_is_no_force(depth: float, friction: float) -> None:
     posture = scene.equilibrate(accuracy="reference")
     assert posture.contact is not None
     assert np.abs(posture.displacements).max() < 1e-12
-    assert not posture.contact.touching.any()
+    assert posture.contact.pressures.max() < 1e-6  # Pa: a rounding of 1e-15 m
     assert posture.contact.gaps.min() > -1e-12
     # The wall counts as dented by the overlap of each point, no more: all below it are just touched.
     floor = depth * (1.0 - posture.contact.points[:, 0] / 0.02) / np.hypot(1.0, depth / 0.02)
@@ -155,7 +155,7 @@ def test_overlap_at_rest_is_no_force(depth: float, friction: float) -> None:
     movement = scene.simulate(None, 0.02, dt=0.004)
     assert np.abs(movement.positions - scene.speaker.nodes).max() < 1e-12
     assert movement.contact is not None
-    assert not movement.contact.pressures.any()
+    assert movement.contact.pressures.max() < 1e-6  # Pa: a rounding of 1e-15 m
 
 
 def test_overlapping_points_push_back_when_they_go_deeper() -> None:

@@ -52,7 +52,7 @@ def test_forces_and_moments_in_equilibrium(body: Speaker, element: str) -> None:
 
 
 def test_supports_of_a_speaker(reference: Speaker) -> None:
-    scene = Scene(reference)
+    scene = Scene(reference, contact=False, hyoid="fixed")  # else walls and springs carry their share
     posture = scene.equilibrate({"GGp": 0.8, "Sty": 0.95, "MH": 0.9}, accuracy="reference")
     weight = 1040.0 * reference.volume * 9.81
     # The styloid points are supports too: they carry the tension of Sty.

@@ -12,7 +12,7 @@ from tests.speaker_contact import REFLEX_ONLY, largest
 
 from glossa import VOWELS, Movement, Posture, Ramp, Scene, Speaker
 
-TIMES = np.linspace(0.004, 0.2, 50)
+TIMES = np.linspace(0.008, 0.2, 25)
 
 
 @cache

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tests.speaker_contact import (
     REFLEX_ONLY,
-    FineSurface,
     bone_balance,
+    fine_surface,
     largest,
     on_both_sides,
     tongue_balance,
@@ -118,7 +118,7 @@ def test_contacts_of_the_vowels(reference: Speaker, friction: float) -> None:
 
 @pytest.mark.parametrize("vowel", ["i", "a", "u"])
 def test_penetration_between_the_points(reference: Speaker, vowel: str) -> None:
-    fine, posture = FineSurface(reference), vowel_of(reference, 0.1, vowel)
+    fine, posture = fine_surface(reference), vowel_of(reference, 0.1, vowel)
     depths = np.concatenate([fine.depths(posture, wall) for wall in fine.walls])
     assert len(depths) > 5000
     assert depths.max() < 4e-4
@@ -175,7 +175,7 @@ def test_walls_out_of_reach_change_nothing(reference: Speaker) -> None:
         assert second is not None
         assert (first.iterations, first.factorisations) == (second.iterations, second.factorisations)
         assert first.contact_updates == 0
-    moved, free = (scene.simulate(Ramp(VOWELS["i"]), 0.06, dt=0.002, integrator="BDF2") for scene in (far, none))
+    moved, free = (scene.simulate(Ramp(VOWELS["i"]), 0.04, dt=0.002, integrator="BDF2") for scene in (far, none))
     assert largest(moved.positions - free.positions) < 1e-8
     assert moved.report.factorisations == free.report.factorisations
     assert moved.report.residuals == free.report.residuals

@@ -142,7 +142,7 @@ def test_movements_end_in_the_equilibrium(body: Speaker, reflex: Reflex | None, 
 
 def test_vowel_u_ends_in_its_equilibrium(pb: Speaker) -> None:
     """With a delay of 5 ms. At 17 ms, without contact, the loop through Sty keeps /u/ in a cycle (test_pb.py)."""
-    scene = Scene(pb, mirror=True, reflex=Reflex(delay=0.005))
+    scene = Scene(pb, mirror=True, contact=False, reflex=Reflex(delay=0.005))
     start = scene.equilibrate(dict.fromkeys(VOWELS["u"], 1.0))
     end = scene.equilibrate(VOWELS["u"], start=start)
     movement = scene.simulate(Ramp(VOWELS["u"]), 0.6, dt=0.005, initial=start)
