@@ -8,6 +8,11 @@
 //   V = (u - ub) / hg,   (1/hg + alpha) M V + (1 + beta/hg) f(u) + g(u, V, t) - beta Sum s_e' f_e - wb / hg = 0.
 // A lagged beta K v instead drifts in volume and is wrong by millimetres during movement.
 //
+// K is the tangent of the tissue alone. Where strong compression makes it indefinite (least eigenvalue of /i/ on the
+// built-in speaker, pressed against its walls: -50 N/m on nodes of 0.1 g), damping by it feeds energy into modes that
+// contact and muscles hold in place: vibrations near 1 kHz grow within milliseconds if the steps resolve them (BDF2
+// below 0.5 ms, sdirk2 below 2 ms there), and longer steps damp them.
+//
 // sdirk2 (default): two stages, gamma = 1 - 1/sqrt 2 (Alexander 1977), stiffly accurate, L-stable, self-starting.
 // bdf2: one stage, variable step, started by sdirk2. backward_euler: first order, for rescue and comparison.
 // trapezoidal: energy conserving and not damped at high frequency; for comparison with other codes only: it rings, and

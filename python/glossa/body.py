@@ -293,6 +293,8 @@ class Body:
         return self.contact.contact(positions, pressures[self._place], self._whole_drags(drags), shifts)
 
     def _whole_drags(self, drags: FloatArray) -> FloatArray:
+        if not drags.any():
+            return np.zeros((*drags.shape[:-2], len(self._place), 3))
         whole = np.array(drags[..., self._place, :])
         whole[..., self._image, 1] *= -1.0
         return whole

@@ -222,4 +222,4 @@ def test_adaptive_movement(reference: Speaker, friction: float) -> None:
 def test_an_equilibrium_stays(reference: Speaker, vowel: str, friction: float) -> None:
     scene, held = scene_of(reference, friction), vowel_of(reference, friction, vowel)
     movement = scene.simulate(VOWELS[vowel], 0.02, dt=0.001, initial=held)
-    assert largest(movement.positions - held.positions) < (2e-6 if friction else 1e-10)
+    assert largest(movement.positions - held.positions) < (5e-6 if friction else 1e-10)  # bounds of friction: 1 %
