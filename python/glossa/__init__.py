@@ -4,6 +4,7 @@ The model is that of Buchaillard, Perrier & Payan (2009), J. Acoust. Soc. Am. 12
 """
 
 from glossa._core import __version__
+from glossa.acoustics import TUBE_CONSTANTS, AreaFunction, Formants, Sound, TubeConstants, synthesize
 from glossa.anatomy import Hyoid, Muscle, Speaker, Spring, Wall
 from glossa.effects import DEFAULT, Damping, Reflex, Stiffening, Yeoh
 from glossa.errors import InputError, SolveError, SolveInterrupted, SpeakerFileError
@@ -15,8 +16,11 @@ from glossa.simulation import Simulation
 __all__ = [
     "DEFAULT",
     "MUSCLES",
+    "TUBE_CONSTANTS",
     "VOWELS",
+    "AreaFunction",
     "Damping",
+    "Formants",
     "Hyoid",
     "InputError",
     "MotorCommands",
@@ -31,11 +35,14 @@ __all__ = [
     "SolveError",
     "SolveInterrupted",
     "SolveReport",
+    "Sound",
     "Speaker",
     "SpeakerFileError",
     "Spring",
     "Stiffening",
+    "TubeConstants",
     "Wall",
     "Yeoh",
     "__version__",
+    "synthesize",
 ]

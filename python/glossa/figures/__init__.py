@@ -3,6 +3,7 @@
 Each returns a :class:`matplotlib.figure.Figure`, to show in a notebook or to write with ``savefig``.
 """
 
+from glossa.figures.acoustics import area_functions, transfer_functions, vowel_chart
 from glossa.figures.charts import force_bars, movement_traces
 from glossa.figures.contact import contact_map, electropalatogram
 from glossa.figures.midsagittal import midsagittal, midsagittal_panels
@@ -10,6 +11,7 @@ from glossa.figures.overview import overview
 from glossa.figures.spatial import muscles, surfaces
 
 __all__ = [
+    "area_functions",
     "contact_map",
     "electropalatogram",
     "force_bars",
@@ -19,4 +21,6 @@ __all__ = [
     "muscles",
     "overview",
     "surfaces",
+    "transfer_functions",
+    "vowel_chart",
 ]
