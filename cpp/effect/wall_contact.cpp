@@ -247,6 +247,11 @@ void WallContact::end_increment() {
     if (active.bound > 0.0)
       state_.friction[static_cast<std::size_t>(active.point)] = ContactLaw::bounded(active.trial, active.bound);
   update_bounds(1.0);
+  // What the next increment starts from lies in the new tangent plane.
+  for (const Active& active : active_) {
+    const auto i = static_cast<std::size_t>(active.point);
+    state_.friction[i] = tangential(i) * state_.friction[i];
+  }
 }
 
 void WallContact::tractions(std::vector<double>& pressure, std::vector<Vector3>& friction) const {
