@@ -100,8 +100,9 @@ void bind_contact(py::module_& module) {
   const DistanceFieldOptions defaults;
   py::class_<DistanceField, std::shared_ptr<DistanceField>>(
       module, "DistanceField",
-      "Smooth signed distance of a wall, m: positive on the tongue's side, clipped to [-band, band], free outside the "
-      "box from low to high. Immutable.")
+      "Smooth signed distance of a wall, m: positive on the tongue's side. Immutable. It is told up to the band only: "
+      "any point farther from the wall reads band, any deeper in it -band, both without slope and without warning; a "
+      "point outside the box from low to high reads band wherever it is.")
       .def(py::init(&make_field), py::arg("vertices"), py::arg("triangles"), py::kw_only(), py::arg("low"),
            py::arg("high"), py::arg("spacing") = defaults.spacing, py::arg("band") = defaults.band,
            py::arg("threads") = defaults.threads)
@@ -111,7 +112,10 @@ void bind_contact(py::module_& module) {
       .def_property_readonly("spacing", &DistanceField::spacing, "Of the lattice of splines, m.")
       .def_property_readonly("band", &DistanceField::band, "Largest distance told, m.")
       .def_property_readonly("geometric_error", &DistanceField::geometric_error,
-                             "95th percentile of |distance| over centroids and vertices of the wall, m.");
+                             "95 % of the wall's area in the box, 2 mm and more away from rims and edges of more than "
+                             "30 degrees, is within this of distance 0, m.")
+      .def_property_readonly("edge_rounding", &DistanceField::edge_rounding,
+                             "The same of the wall nearer to rims and such edges, m.");
   module.def("nearest_features", &nearest_features, py::arg("vertices"), py::arg("triangles"), py::arg("points"),
              "Exactly nearest place of a wall to each point (k, 3) m: distances (k,) m, negative behind the wall; "
              "triangles (k,); kinds (k,), 0 interior, 1 rim, 2 edge of inconsistent faces; loops (k,), index into "

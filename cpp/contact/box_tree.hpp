@@ -61,8 +61,27 @@ class BoxTree {
   /// visit(item) for every item whose box is within `radius` of x.
   template <class Visit>
   void within(const Vector3& x, double radius, Visit&& visit) const {
-    descend(
-        x, [&] { return radius * radius; }, visit);
+    where([&](const Box& box) { return box.squared_distance(x) <= radius * radius; }, visit);
+  }
+
+  /// visit(item) for every item in boxes for which keep(box); a box is not kept unless all that hold it are.
+  template <class Keep, class Visit>
+  void where(Keep&& keep, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    std::array<Index, deepest> stack;
+    std::size_t height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+      const Index number = stack[--height];
+      const Node& node = nodes_[static_cast<std::size_t>(number)];
+      if (!keep(node.box)) continue;
+      if (node.right == 0) {
+        for (Index k = node.begin; k < node.end; ++k) visit(items_[static_cast<std::size_t>(k)]);
+        continue;
+      }
+      stack[height++] = node.right;
+      stack[height++] = number + 1;
+    }
   }
 
  private:

@@ -4,23 +4,28 @@
 // band, sampled on a lattice and splined (spline_grid.hpp): value, gradient and Hessian are continuous, as Newton's
 // method wants them. Nearest points of the triangles themselves stall it.
 //
-// What smoothing changes: |phi| in mm on the walls of the PB speaker within 15 mm of the tongue, 2 mm and more away
-// from edges above 30 degrees, and anywhere; and the CPU time of building the field in s (one thread of a busy two-core
-// virtual machine; 1e6 lattice points at 1 mm).
+// What smoothing changes: |phi| in mm over the area of the walls within 15 mm of where the tongue may touch them, apart
+// from edges (2 mm and more away from rims and from edges above 30 degrees) and near them, where rounding is wanted;
+// and the CPU time of building the field in s (one thread of a busy two-core virtual machine).
 //
-//   wall (triangles)           spacing   off edges: mean, p95, max   anywhere: mean, p95, max   time
-//   hard palate, teeth (878)   0.8 mm    0.006  0.020  0.07          0.017  0.072  0.29         0.4
-//                              1.0       0.008  0.028  0.13          0.024  0.098  0.37         0.2
-//                              1.25      0.013  0.041  0.14          0.034  0.138  0.45         0.15
-//   soft palate, pharynx       0.8       0.006  0.021  0.07          0.012  0.047  0.26         0.6
-//   above z = 57 mm (1490)     1.0       0.009  0.029  0.10          0.018  0.065  0.40         0.3
-//                              1.25      0.013  0.041  0.11          0.025  0.090  0.43         0.25
-//   mandible, teeth (2774)     0.8       0.005  0.019  0.06          0.009  0.036  0.28         0.35
-//                              1.0       0.008  0.027  0.09          0.014  0.051  0.33         0.2
-//                              1.25      0.011  0.038  0.14          0.020  0.071  0.57         0.15
+//   wall (triangles)                 spacing   apart: p95, max   near edges: p95, max   anywhere: p95   time
+//   PB hard palate, teeth (878)      0.8 mm    0.018  0.07       0.107  0.33            0.064           0.12
+//                                    1.0       0.026  0.12       0.152  0.40            0.094           0.08
+//   PB soft palate, pharynx (1490)   0.8       0.020  0.07       0.076  0.28            0.046           0.14
+//                                    1.0       0.026  0.10       0.105  0.36            0.064           0.08
+//   PB mandible, teeth (2774)        0.8       0.018  0.06       0.051  0.20            0.029           0.24
+//                                    1.0       0.025  0.08       0.069  0.26            0.042           0.16
+//   built-in hard palate (4416)      0.8       0.009  0.03       0.124  0.28            0.023           0.20
+//   built-in soft palate (2208)      0.8       0.005  0.02       0.111  0.28            0.036           0.11
+//   built-in pharynx (3168)          0.8       0.007  0.02       0.125  0.28            0.031           0.13
+//   built-in mandible (7040)         0.8       0.015  0.06       0.078  0.30            0.029           0.33
 //
 // A sphere of 10 mm, a cylinder and a vault are held to a few micrometres. A right-angled edge is rounded by 0.19
-// spacings, tips of teeth more; curvatures reach 2.8 per mm (95 % below 1.4 within 0.5 mm of a wall), slopes 1.35.
+// spacings, tips of teeth more. Curvatures at 0.8 mm are below 0.8 per mm apart from edges, up to 3.0 at them; slopes
+// there reach 1.15.
+//
+// Building: exact distances in bricks of the lattice that come within band and clip of the wall, one for each brick
+// farther off (wall_distance.hpp), one value for all bricks beyond; the time goes with the wall's area.
 #pragma once
 
 #include "contact/nearest_feature.hpp"
@@ -39,9 +44,10 @@ struct DistanceFieldOptions {
 /// Positive on the tongue's side, negative inside the wall; immutable. A wall that overlaps itself is no union of its
 /// parts: the nearest one decides.
 ///
-/// Beyond the box every point is free: +band, without slope. The clip is smooth, 1.5 spacings to either side of the
-/// band (with 6 mm and 1 mm: phi is off by 6 um at 4 mm, 0.02 mm at most where it is flat): a point deeper than that
-/// reads -band without slope, and the way out is not known there. NaN for NaN. The same bits for every number of
+/// Told up to the band, without a warning beyond it: a point farther from the wall reads +band and one deeper in it
+/// reads -band, both without slope, so that the way out is not known there. The clip is smooth, 1.5 spacings to either
+/// side of the band (with 6 mm and 1 mm: phi is off by 6 um at 4 mm, 0.02 mm at most where it is flat). Beyond the box
+/// every point is free: +band, without slope, also behind the wall. NaN for NaN. The same bits for every number of
 /// threads and every order of vertices and triangles.
 class DistanceField {
  public:
@@ -56,14 +62,16 @@ class DistanceField {
 
   [[nodiscard]] double spacing() const { return spline_.lattice().spacing; }
   [[nodiscard]] double band() const { return band_; }
-  /// How well the surface was kept: 95th percentile of |phi| (m) over the centroids and the vertices off the rims of
-  /// the triangles inside the box; vertices on edges are where it is worst. 0 if there are none.
+  /// How well the surface was kept inside the box: 95 % of its area, 2 mm and more away from rims and edges of more
+  /// than 30 degrees, is within this distance (m) of phi = 0. 0 if there is none.
   [[nodiscard]] double geometric_error() const { return geometric_error_; }
+  /// The same of what lies nearer to rims and such edges, which are rounded.
+  [[nodiscard]] double edge_rounding() const { return edge_rounding_; }
 
  private:
   double band_;
   SplineGrid spline_;
-  double geometric_error_ = 0.0;
+  double geometric_error_ = 0.0, edge_rounding_ = 0.0;
 };
 
 }  // namespace glossa

@@ -6,15 +6,16 @@
 // up to 1.8 times larger at its edges; the samples as coefficients are 2 to 3 times farther from it.
 #pragma once
 
-#include "contact/lattice.hpp"
+#include "contact/lattice_bricks.hpp"
 
 namespace glossa {
 
 class SplineGrid {
  public:
   SplineGrid() = default;
-  /// One sample per lattice point, at least 4 along each axis.
-  SplineGrid(const Lattice& lattice, std::vector<double> samples, int threads);
+  /// Samples by brick (`block_of`: their blocks), for every point of the lattice, at least 4 along each axis; the
+  /// values of shared blocks differ.
+  SplineGrid(const LatticeBricks& bricks, std::vector<Index> block_of, const BrickValues<double>& samples, int threads);
 
   /// Whether the spline is defined at x: between the second lattice points from either end.
   [[nodiscard]] bool covers(const Vector3& x) const;
@@ -24,15 +25,18 @@ class SplineGrid {
   double value(const Vector3& x, Vector3& gradient) const;
   double value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const;
 
-  [[nodiscard]] const Lattice& lattice() const { return lattice_; }
+  [[nodiscard]] const Lattice& lattice() const { return bricks_.lattice(); }
 
  private:
+  /// The 64 coefficients of a cell; or, where they are all one number, only that.
+  const double* gather(const std::array<int, 3>& cell, std::array<double, 64>& out) const;
   template <int derivatives>
   double evaluate(const Vector3& x, Vector3* gradient, Matrix3* hessian) const;
 
-  Lattice lattice_;
+  LatticeBricks bricks_;
   double per_spacing_ = 0.0;
-  std::vector<double> coefficients_;
+  std::vector<Index> block_of_;
+  BrickValues<double> coefficients_;
 };
 
 }  // namespace glossa

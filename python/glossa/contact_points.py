@@ -26,17 +26,17 @@ from glossa.errors import InputError
 SPACING = 2.5e-3
 """Distance of neighbouring contact points, m: a surface bent to a radius of 10 mm sags by 0.08 mm between them."""
 
-FIELD_SPACING = 1e-3
-"""Of the lattice on which the distance of a wall is splined, m."""
+FIELD_SPACING = 0.8e-3
+"""Of the lattice on which the distance of a wall is splined, m: surfaces are kept to 0.02 mm, edges to 0.1 mm."""
 
 LEAST_MOBILITY = 0.5
 """Share of moving nodes in a contact point: points nearer to attachments can hardly give way and are left out."""
 
-MARGIN = 40e-3
-"""How far the tongue may move from where it is at rest before walls are no longer known, m."""
+MARGIN = 30e-3
+"""How far contact points may move from the box they fill at rest before walls are no longer known, m."""
 
-BEHIND = 15e-3
-"""How far around a wall its distance is known, m: the band of the field and what a wild trial state may add."""
+BEHIND = 12e-3
+"""How far around a wall its distance is known, m: twice the band of the field, for wild trial states."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ def contact_points(speaker: Speaker, held: BoolArray, *, mirror: bool) -> Contac
         samples = _samples(speaker, name, held)
         points = samples.operator @ speaker.nodes
         check_facing(name, wall, points, samples.normals)
-        distances = _field(wall, *_box(speaker.nodes[speaker.surface_quads.ravel()], wall))
+        distances = _field(wall, *_box(points, wall))
         fields.append(distances)
         mobile = samples.operator @ (~held).astype(float) > LEAST_MOBILITY
         overlap = np.maximum(0.0, -distances.distance(points[mobile]))
@@ -207,12 +207,16 @@ def _samples(speaker: Speaker, wall: str, held: BoolArray) -> SurfaceSamples:
     return surface_samples(surface, chosen[~held[quads[chosen]].all(axis=1)].astype(np.int32), SPACING)
 
 
-def _box(nodes: FloatArray, wall: Wall) -> tuple[FloatArray, FloatArray]:
-    """Corners of the box where the distance of a wall is known: whole lattice cells, so symmetric in y where all is."""
-    low = np.maximum(nodes.min(axis=0) - MARGIN, wall.vertices.min(axis=0) - BEHIND)
-    high = np.minimum(nodes.max(axis=0) + MARGIN, wall.vertices.max(axis=0) + BEHIND)
-    if (low >= high).any():  # out of reach: a box of one corner will do
-        low, high = wall.vertices[0] - BEHIND, wall.vertices[0] + BEHIND
+def _box(points: FloatArray, wall: Wall) -> tuple[FloatArray, FloatArray]:
+    """Corners of the box where the distance of a wall is known to points (k, 3) that may touch it.
+
+    Whole lattice cells, so symmetric in y where all is.
+    """
+    low, high = wall.vertices.min(axis=0) - BEHIND, wall.vertices.max(axis=0) + BEHIND
+    if len(points):
+        low, high = np.maximum(low, points.min(axis=0) - MARGIN), np.minimum(high, points.max(axis=0) + MARGIN)
+    if len(points) == 0 or (low >= high).any():  # out of reach: a box of one corner will do
+        low, high = wall.vertices[0] - FIELD_SPACING, wall.vertices[0] + FIELD_SPACING
     return np.floor(low / FIELD_SPACING) * FIELD_SPACING, np.ceil(high / FIELD_SPACING) * FIELD_SPACING
 
 

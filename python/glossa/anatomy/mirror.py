@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
 from glossa.anatomy.muscle import Muscle
@@ -26,20 +27,14 @@ def mirror_pairs(nodes: FloatArray, tolerance: float = TOLERANCE) -> IntArray:
     Raises:
         InputError: naming the first node without a mirror image within ``tolerance`` (m, per coordinate).
     """
-    order = np.argsort(nodes[:, 0], kind="stable")
-    x = nodes[order, 0]
-    first = np.searchsorted(x, nodes[:, 0] - tolerance, "left")
-    last = np.searchsorted(x, nodes[:, 0] + tolerance, "right")
-    images = nodes * _REFLECTION
-    partner = np.empty(len(nodes), dtype=np.int32)
-    for node in range(len(nodes)):
-        candidates = order[first[node] : last[node]]
-        distance = np.abs(nodes[candidates] - images[node]).max(axis=1)
-        best = int(distance.argmin())
-        if distance[best] > tolerance:
-            place = ", ".join(f"{c:.6g}" for c in nodes[node])
-            raise InputError(f"node {node} at ({place}) m has no mirror image about y = 0 within {tolerance:g} m")
-        partner[node] = candidates[best]
+    if not len(nodes):
+        return np.zeros(0, dtype=np.int32)
+    distance, nearest = cKDTree(nodes).query(nodes * _REFLECTION, p=np.inf)
+    lonely = np.flatnonzero(distance > tolerance)
+    if len(lonely):
+        place = ", ".join(f"{c:.6g}" for c in nodes[lonely[0]])
+        raise InputError(f"node {lonely[0]} at ({place}) m has no mirror image about y = 0 within {tolerance:g} m")
+    partner = nearest.astype(np.int32)
     doubled = np.flatnonzero(partner[partner] != np.arange(len(nodes)))
     if len(doubled):
         raise InputError(f"node {doubled[0]} has more than one mirror image about y = 0; merge coincident nodes")

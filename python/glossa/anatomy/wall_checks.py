@@ -187,10 +187,10 @@ def _check_side(name: str, points: FloatArray, distances: FloatArray, against: B
 
 def _edges(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Edges (k, 2), number of the edge of each side (m, 3), and how many sides each edge has (k,)."""
-    sides = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2)
-    edges, of_side, count = np.unique(
-        np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True, return_counts=True
-    )
+    ends = np.sort(np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2).astype(np.int64), axis=1)
+    vertices = int(triangles.max(initial=0)) + 1
+    keys, of_side, count = np.unique(ends[:, 0] * vertices + ends[:, 1], return_inverse=True, return_counts=True)
+    edges = np.stack([keys // vertices, keys % vertices], axis=1)
     return edges.astype(np.int32), of_side.reshape(-1, 3).astype(np.int32), count.astype(np.int32)
 
 

@@ -1,4 +1,5 @@
 #include "contact/nearest_feature.hpp"
+#include "contact/near_triangles.hpp"
 
 #include "walls.hpp"
 
@@ -59,6 +60,47 @@ TEST_CASE("nearest feature: the tree finds what looking at every triangle finds"
     CHECK(wall.nearest_end(x, 0.999 * std::sqrt(end)).item == -1);
     CHECK((nearest.kind == FeatureKind::rim) == (end <= least * (1 + 1e-14)));
     CHECK((nearest.rim_loop == 0) == (nearest.kind == FeatureKind::rim));
+  }
+}
+
+TEST_CASE("nearest feature: near triangles of a brick are the nearest of all, ties to the lowest number") {
+  Random random(5);
+  const WallSurface rough = patch(19, 21, [&](double u, double v) -> Vector3 {
+    return {0.05 * u, 0.04 * v, 0.01 * std::sin(7 * u) * std::cos(5 * v) + random(0, 2e-3)};
+  });
+  const WallSurface large = patch(1, 1, [](double u, double v) -> Vector3 { return {u - 0.5, v - 0.5, 0.002}; });
+  for (const WallSurface& surface : {rough, box(Vector3(0.02, 0.01, 0.004)), sphere(0.01, 20), square(8), large}) {
+    const NearestFeature wall(surface);
+    const std::vector<TriangleFrame> frames(wall.shapes().begin(), wall.shapes().end());
+    NearTriangles near(wall, frames);
+    for (int k = 0; k < 60; ++k) {
+      const double spacing = k % 2 == 0 ? 8e-4 : 1.3e-3;
+      // Every third on a lattice, where distances are often equal.
+      Vector3 first = random_point(random, 0.025);
+      if (k % 3 == 0) first = 1e-3 * (1e3 * first).array().round();
+      std::array<NearTriangles::Points, 8> points;
+      NearTriangles::Points centres;
+      const auto bits = [](std::size_t number) -> Vector3 {
+        return {double(number >> 2 & 1), double(number >> 1 & 1), double(number & 1)};
+      };
+      for (std::size_t c = 0; c < 8; ++c) {
+        centres[c] = first + spacing * (2.0 * bits(c) + Vector3::Constant(0.5));
+        for (std::size_t p = 0; p < 8; ++p) points[c][p] = first + spacing * (2.0 * bits(c) + bits(p));
+      }
+      const Vector3 centre = first + Vector3::Constant(1.5 * spacing);
+      NearTriangles::Results results;
+      near.gather(centre, 1.5 * spacing, wall.nearest_triangle(centre).item);
+      near.nearest(points, centres, 0.5 * spacing, results);
+      for (std::size_t c = 0; c < 8; ++c)
+        for (std::size_t p = 0; p < 8; ++p) {
+          BoxTree::Found least{-1, 1e9};
+          for (std::size_t t = 0; t < wall.shapes().size(); ++t)
+            if (const double squared = wall.shapes()[t].squared_distance(points[c][p]); squared < least.squared)
+              least = {static_cast<Index>(t), squared};
+          CHECK(results[c][p].triangle == least.item);
+          CHECK(results[c][p].point.squared == least.squared);
+        }
+    }
   }
 }
 

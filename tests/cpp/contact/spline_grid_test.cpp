@@ -1,5 +1,7 @@
 #include "contact/spline_grid.hpp"
 
+#include <algorithm>
+
 #include "../fixture.hpp"
 
 namespace glossa::test {
@@ -9,13 +11,25 @@ Lattice small_lattice() {
   return {Vector3(-0.011, 0.004, 0.1), 1.3e-3, {9, 8, 11}};
 }
 
+/// From samples f at all points, every brick with a block of its own but those that equal a shared one.
 template <class Function>
-std::vector<double> sampled(const Lattice& lattice, Function&& f) {
-  std::vector<double> samples;
-  for (int i = 0; i < lattice.size[0]; ++i)
-    for (int j = 0; j < lattice.size[1]; ++j)
-      for (int k = 0; k < lattice.size[2]; ++k) samples.push_back(f(lattice.point(i, j, k)));
-  return samples;
+SplineGrid splined(const Lattice& lattice, Function&& f, const std::vector<double>& uniform = {}, int threads = 1) {
+  const LatticeBricks bricks(lattice);
+  BrickValues<double> samples(uniform);
+  std::vector<Index> block_of;
+  for (int number = 0; number < bricks.count(); ++number) {
+    std::vector<double> values;
+    for (int point = 0; point < 64; ++point)
+      values.push_back(f(bricks.point(number, point / 16, point / 4 % 4, point % 4)));
+    Index block = 0;
+    while (block < samples.shared && !std::equal(values.begin(), values.end(), samples.block(block))) ++block;
+    if (block == samples.shared) {
+      block = static_cast<Index>(samples.values.size() / 64);
+      samples.values.insert(samples.values.end(), values.begin(), values.end());
+    }
+    block_of.push_back(block);
+  }
+  return {bricks, block_of, samples, threads};
 }
 
 /// A point at least two cells from the lattice's faces, where samples beyond them do not matter.
@@ -40,7 +54,7 @@ TEST_CASE("spline grid: cubic polynomials are reproduced, with gradient and Hess
     return sum;
   };
   const Lattice lattice = small_lattice();
-  const SplineGrid spline(lattice, sampled(lattice, f), 1);
+  const SplineGrid spline = splined(lattice, f);
   for (int n = 0; n < 50; ++n) {
     const Vector3 x = inner_point(lattice, random);
     REQUIRE(spline.covers(x));
@@ -72,7 +86,7 @@ TEST_CASE("spline grid: cubic polynomials are reproduced, with gradient and Hess
 TEST_CASE("spline grid: twice differentiable for rough samples, across cells") {
   Random random(9);
   const Lattice lattice = small_lattice();
-  const SplineGrid spline(lattice, sampled(lattice, [&](const Vector3&) { return random(-1, 1); }), 1);
+  const SplineGrid spline = splined(lattice, [&](const Vector3&) { return random(-1, 1); });
   for (int n = 0; n < 20; ++n) {
     Vector3 x = inner_point(lattice, random);
     x[n % 3] = lattice.origin[n % 3] + lattice.spacing * (3 + n % 2);  // on a plane between cells
@@ -85,21 +99,33 @@ TEST_CASE("spline grid: twice differentiable for rough samples, across cells") {
   }
 }
 
-TEST_CASE("spline grid: local and constant where the samples are; same bits for any number of threads") {
+TEST_CASE(
+    "spline grid: local and constant where the samples are; the same by shared bricks and for any number of threads") {
   Lattice lattice = small_lattice();
   lattice.size = {70, 40, 30};
   Random random(10);
-  const auto samples =
-      sampled(lattice, [&](const Vector3& x) { return x.x() < lattice.point(30, 0, 0).x() ? 0.25 : random(-1, 1); });
-  const SplineGrid spline(lattice, samples, 1);
+  // Rough, the same whenever asked; a quarter here, minus one half there.
+  const auto f = [&](const Vector3& x) {
+    if (x.x() < lattice.point(29.5, 0, 0).x()) return x.y() < lattice.point(0, 19.5, 0).y() ? 0.25 : -0.5;
+    return std::sin(1e7 * (x.x() + 3.0 * x.y() + 7.0 * x.z()));
+  };
+  const SplineGrid spline = splined(lattice, f, {0.25, -0.5});
   Vector3 gradient;
-  CHECK(spline.value(lattice.point(26.4, 8.2, 9.7), gradient) == doctest::Approx(0.25).epsilon(1e-15));
-  CHECK_WITHIN(gradient.norm(), 1e-12);
-  for (const int threads : {2, 5}) {
-    const SplineGrid other(lattice, samples, threads);
-    for (int n = 0; n < 200; ++n) {
-      const Vector3 x = inner_point(lattice, random);
-      CHECK(spline.value(x) == other.value(x));
+  for (const double x : {6.4, 20.1, 26.4}) {
+    CHECK(spline.value(lattice.point(x, 8.2, 9.7), gradient) == doctest::Approx(0.25).epsilon(1e-15));
+    CHECK_WITHIN(gradient.norm(), 1e-12);
+    CHECK(spline.value(lattice.point(x, 28.2, 9.7)) == doctest::Approx(-0.5).epsilon(1e-15));
+  }
+  CHECK(spline.value(lattice.point(6.4, 19.5, 9.7)) == doctest::Approx(-0.125).epsilon(1e-12));
+  const SplineGrid others[] = {splined(lattice, f), splined(lattice, f, {0.25, -0.5}, 2),
+                               splined(lattice, f, {-0.5}, 5)};
+  for (int n = 0; n < 2000; ++n) {
+    const Vector3 x = inner_point(lattice, random);
+    for (const SplineGrid& other : others)
+      CHECK_WITHIN(std::abs(spline.value(x) - other.value(x)), 1e-15);  // weights sum to one but for rounding
+    if (x.x() > lattice.point(33, 0, 0).x()) {
+      CHECK(spline.value(x) == others[0].value(x));
+      CHECK(spline.value(x) == others[1].value(x));
     }
   }
   CHECK_FALSE(spline.covers(lattice.point(0.9, 5, 5)));
