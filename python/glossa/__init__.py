@@ -12,9 +12,11 @@ from glossa.motor import MUSCLES, VOWELS, MotorCommands, Ramp, Schedule
 from glossa.results import Movement, Posture, SolveReport
 from glossa.scene import Scene
 from glossa.simulation import Simulation
+from glossa.tract import LIPS, Lips, area_function
 
 __all__ = [
     "DEFAULT",
+    "LIPS",
     "MUSCLES",
     "TUBE_CONSTANTS",
     "VOWELS",
@@ -23,6 +25,7 @@ __all__ = [
     "Formants",
     "Hyoid",
     "InputError",
+    "Lips",
     "MotorCommands",
     "Movement",
     "Muscle",
@@ -44,5 +47,6 @@ __all__ = [
     "Wall",
     "Yeoh",
     "__version__",
+    "area_function",
     "synthesize",
 ]

@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
+from scipy.io import wavfile
 from typer.testing import CliRunner
 
 import glossa
@@ -33,11 +35,16 @@ ENTRY = {
 }
 
 
-def check_entry(entry: dict[str, Any]) -> None:
+def check_entry(entry: dict[str, Any], *, sounds: bool = True) -> None:
     assert entry["converged"] is True
     assert tuple(entry["forces_N"]) == MUSCLES
     assert all(isinstance(force, float) and force >= 0.0 for force in entry["forces_N"].values())
-    assert entry["formants_Hz"] is None
+    if sounds:
+        assert len(entry["formants_Hz"]) == 4
+        assert 200.0 < entry["formants_Hz"][0] < 900.0
+        assert sorted(entry["formants_Hz"]) == entry["formants_Hz"]
+    else:
+        assert entry["formants_Hz"] is None
     for point in ("tip", "dorsum"):
         assert [type(x) for x in entry[f"{point}_displacement_mm"]] == [float, float]
     assert list(entry["contact"]) == list(Speaker.reference().walls)
@@ -70,7 +77,8 @@ def test_tables_of_vowels(capsys: pytest.CaptureFixture[str]) -> None:
     assert "25.82" in text  # Table II, /i/, GGp
     assert "gravity" not in text
     assert "note:" not in text
-    for word in (*MUSCLES, "/ə/", "dorsum z", "hard_palate", "mandible", "hyoid", "Palatogram", "# # . . . . # #"):
+    contact = ("hard_palate", "mandible", "hyoid", "Palatogram", "# # . . . . # #")
+    for word in (*MUSCLES, "/ə/", "dorsum z", *contact, "2095", "length"):
         assert word in text
 
 
@@ -135,6 +143,33 @@ def test_vowel_accepts_at_sign_and_writes_files(tmp_path: Path, capsys: pytest.C
 
     assert meshio.read(mesh).cells_dict["hexahedron"].shape == Speaker.reference().hexahedra.shape
     assert printed.err.count("wrote") == 2
+
+
+def test_vowel_sounds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sound, tract, formants = tmp_path / "a.wav", tmp_path / "tract.png", tmp_path / "formants.png"
+    options = ["--wav", str(sound), "--plot-tract", str(tract), "--plot-formants", str(formants)]
+    assert main(["vowel", "a", *options]) == 0
+    rate, samples = wavfile.read(sound)
+    assert rate == 44100
+    assert len(samples) == pytest.approx(0.5 * rate, abs=1)
+    assert np.abs(samples).max() > 0.5 * np.iinfo(samples.dtype).max
+    assert tract.stat().st_size > 1000
+    assert formants.stat().st_size > 1000
+    assert "1296" in capsys.readouterr().out  # Table IV, /a/, F2
+
+
+def test_movement_sounds(tmp_path: Path) -> None:
+    sound = tmp_path / "a.wav"
+    assert main(["movement", "a", "--until", "0.02", "--accuracy", "draft", "--wav", str(sound)]) == 0
+    rate, samples = wavfile.read(sound)
+    assert len(samples) == pytest.approx(0.22 * rate, abs=1)
+
+
+def test_a_muscle_alone_has_no_formants(capsys: pytest.CaptureFixture[str]) -> None:
+    """Table IV gives lips to vowels only."""
+    assert main(["muscle", "GGp", "--json"]) == 0
+    entry = json.loads(capsys.readouterr().out)
+    check_entry(entry, sounds=False)
 
 
 def test_half_and_whole_model_agree(capsys: pytest.CaptureFixture[str]) -> None:

@@ -314,16 +314,17 @@ def test_penetration_between_the_points(pb: Speaker, friction: float, vowel: str
 # From elsewhere
 
 STARTS = [("i", "a"), ("i", "u"), ("a", "i"), ("u", "i"), ("u", "a")]
-OTHER_FOLD = {("u", "a", 0.0), ("u", "i", 0.1)}
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize(("vowel", "before"), STARTS, ids=[f"{vowel} after {before}" for vowel, before in STARTS])
 def test_start_from_another_vowel(pb: Speaker, vowel: str, before: str, friction: float) -> None:
-    """The same posture, but for a fold of /u/.
+    """The same posture, but for a fold of /i/ and /u/.
 
-    Its lateral edge beside the rear molars, some nodes on either side, has two places to rest in, 1.3 to 1.5 mm apart:
-    after /a/ without friction and after /i/ with friction it finds the other one. In the midline: less than 0.5 mm.
+    Their lateral edge beside the rear molars, some nodes on either side, has two places to rest in, 1.7 to 4.0 mm
+    apart. Four of these ten starts find the other one, three of them without friction; which ones hangs on hundredths
+    of a millimetre of the wall. In the midline that is up to 0.8 mm; forces differ by up to 0.16 N, and F2 of /i/ by
+    15 to 143 Hz.
     """
     cold = vowel_of(pb, friction, vowel)
     warm = scene_of(pb, friction).equilibrate(VOWELS[vowel], start=vowel_of(pb, friction, before))
@@ -331,14 +332,15 @@ def test_start_from_another_vowel(pb: Speaker, vowel: str, before: str, friction
     assert warm.report.converged
     apart = np.linalg.norm(warm.positions - cold.positions, axis=1)
     forces = np.abs(warm.forces.to_numpy() - cold.forces.to_numpy()).max()
-    if (vowel, before, friction) in OTHER_FOLD:
-        assert 1e-3 < apart.max() < 2.5e-3
-        assert np.sqrt((apart**2).mean()) < 3e-4
-        assert apart[pb.node_sets["midsagittal"]].max() < 5e-4
-        assert forces < 0.15
-    else:
-        assert apart.max() < 1e-6  # 0.24 um with friction, 0.1 nm without
+    if apart.max() < 5e-6:  # 0.5 um with friction, whose bounds settle to 1 %; 0.1 nm without
         assert forces < 1e-4
+        return
+    assert vowel in "iu"
+    assert abs(pb.nodes[apart.argmax(), 1]) > 0.015  # m, at the side
+    assert apart.max() < 5e-3
+    assert np.sqrt((apart**2).mean()) < 4e-4
+    assert apart[pb.node_sets["midsagittal"]].max() < 1e-3
+    assert forces < 0.2
 
 
 @pytest.mark.parametrize("vowel", ["i", "a", "u", "ə"])

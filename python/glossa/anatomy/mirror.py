@@ -34,7 +34,7 @@ def mirror_pairs(nodes: FloatArray, tolerance: float = TOLERANCE) -> IntArray:
     if len(lonely):
         place = ", ".join(f"{c:.6g}" for c in nodes[lonely[0]])
         raise InputError(f"node {lonely[0]} at ({place}) m has no mirror image about y = 0 within {tolerance:g} m")
-    partner = nearest.astype(np.int32)
+    partner: IntArray = nearest.astype(np.int32)
     doubled = np.flatnonzero(partner[partner] != np.arange(len(nodes)))
     if len(doubled):
         raise InputError(f"node {doubled[0]} has more than one mirror image about y = 0; merge coincident nodes")

@@ -6,10 +6,12 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 import glossa
 from glossa import paper
+from glossa.acoustics import AreaFunction, synthesize
 from glossa.cli import output
 from glossa.cli.options import (
     PICTURES,
@@ -23,11 +25,14 @@ from glossa.cli.options import (
     MirrorOption,
     Plot3dOption,
     PlotContactOption,
+    PlotFormantsOption,
     PlotOption,
+    PlotTractOption,
     ResolutionOption,
     SpeakerOption,
     VowelArgument,
     VtkOption,
+    WavOption,
     check_output,
     make_scene,
     make_speaker,
@@ -39,15 +44,24 @@ from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies import (
     effect_costs,
+    formant_table,
+    movement_tracts,
     posture_table,
     rest_posture,
     single_muscle,
     single_muscle_command,
+    vowel_tracts,
     vowels,
 )
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+SOUND_FRAME = 0.010
+"""Between the area functions from which the sound of a movement is made, s."""
+
+AFTERSOUND = 0.2
+"""How long the sound of a movement holds its last tract, s."""
 
 app = typer.Typer(
     add_completion=False,
@@ -91,19 +105,26 @@ def vowels_command(
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
     plot_contact: PlotContactOption = None,
+    plot_tract: PlotTractOption = None,
+    plot_formants: PlotFormantsOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The equilibria of /i/, /ə/, /u/ and /a/ (Table III): forces beside the paper's, displacements, contact."""
-    _check_outputs(plot, plot_3d, plot_contact)
+    """The equilibria of /i/, /ə/, /u/ and /a/ (Table III): forces and formants beside the paper's, shapes, contact."""
+    _check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants)
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     postures = vowels(scene)
     table = posture_table(postures)
+    tracts, reasons = vowel_tracts(postures)
+    formants = formant_table(tracts) if tracts else None
     if as_json:
-        rows = {name: output.posture_json(table, name, posture, epg=epg) for name, posture in postures.items()}
+        rows = {
+            name: output.posture_json(table, name, posture, formants, epg=epg) for name, posture in postures.items()
+        }
         output.print_json({"speaker": scene.speaker.name, "vowels": rows})
     else:
         output.print_postures(scene, postures, table, epg=epg)
+        output.print_formants(formants, reasons)
     from glossa import figures
 
     if plot is not None:
@@ -112,6 +133,7 @@ def vowels_command(
         _write(figures.surfaces(postures), plot_3d)
     if plot_contact is not None:
         _write(figures.contact_map(postures), plot_contact)
+    _write_tracts(tracts, reasons, plot_tract, plot_formants)
     _refuse_unconverged(postures)
 
 
@@ -130,17 +152,27 @@ def vowel_command(
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
     plot_contact: PlotContactOption = None,
+    plot_tract: PlotTractOption = None,
+    plot_formants: PlotFormantsOption = None,
     vtk: VtkOption = None,
+    wav: WavOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The equilibrium of one vowel."""
+    """The equilibrium of one vowel: shape, contact, formants and sound."""
     name = vowel_name(vowel)
-    _check_outputs(plot, plot_3d, plot_contact, vtk)
+    _check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants, vtk=vtk)
+    check_output(wav, (".wav",))
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = vowels(scene, [name])[name]
-    _report_posture(scene, name, posture, {"vowel": name}, as_json, epg)
+    tracts, reasons = vowel_tracts({name: posture})
+    _report_posture(scene, name, posture, {"vowel": name}, as_json, epg, (tracts, reasons))
     _write_posture(name, posture, plot, plot_3d, plot_contact, vtk)
+    _write_tracts(tracts, reasons, plot_tract, plot_formants)
+    if wav is not None:
+        _need_tracts("--wav", tracts, reasons)
+        synthesize(tracts[name]).save(wav)
+        output.wrote(wav)
 
 
 @app.command("movement", epilog="Examples: glossa movement i --plot i.png | glossa movement u --until 0.4 --save u.nc")
@@ -161,11 +193,13 @@ def movement_command(
     mirror: MirrorOption = None,
     plot: PlotOption = None,
     save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write it as NetCDF (.nc).")] = None,
+    wav: WavOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The movement from rest to a vowel: tip and dorsum, and forces, over time."""
+    """The movement from rest to a vowel: tip and dorsum, and forces, over time; its sound with the vowel's lips."""
     name = vowel_name(vowel)
     check_output(plot, PICTURES)
+    check_output(wav, (".wav",))
     check_output(save, (".nc",))
     schedule = Ramp(VOWELS[name], duration=ramp)
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
@@ -177,6 +211,11 @@ def movement_command(
     if save is not None:
         movement.save(save)
         output.wrote(save)
+    if wav is not None:
+        times = np.linspace(0.0, until, max(2, round(until / SOUND_FRAME) + 1))
+        tracts = movement_tracts(movement, times, name)
+        synthesize(tracts, duration=until + AFTERSOUND, times=times).save(wav)
+        output.wrote(wav)
     if plot is not None:
         from glossa.figures import movement_traces
 
@@ -212,7 +251,7 @@ def muscle_command(
     as_json: JsonOption = False,
 ) -> None:
     """What one muscle does alone (section III.A.1, fig. 5): every other muscle is silent."""
-    _check_outputs(plot, plot_3d, plot_contact, vtk)
+    _check_outputs(plot, plot_3d, plot_contact, vtk=vtk)
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = single_muscle(scene, muscle, command)
@@ -325,8 +364,8 @@ def _need(module: str, what: str, requirement: str) -> None:
         raise InputError(f"{what} needs {module}; install it with: pip install '{requirement}'")
 
 
-def _check_outputs(plot: Path | None, plot_3d: Path | None, plot_contact: Path | None, vtk: Path | None = None) -> None:
-    for picture in (plot, plot_3d, plot_contact):
+def _check_outputs(*pictures: Path | None, vtk: Path | None = None) -> None:
+    for picture in pictures:
         check_output(picture, PICTURES)
     check_output(vtk, (".vtu", ".vtk"))
     if vtk is not None:
@@ -343,16 +382,44 @@ def _check_contact(scene: Scene, epg: bool, plot_contact: Path | None) -> None:
 
 
 def _report_posture(
-    scene: Scene, name: str, posture: Posture, facts: dict[str, object], as_json: bool, epg: bool
+    scene: Scene,
+    name: str,
+    posture: Posture,
+    facts: dict[str, object],
+    as_json: bool,
+    epg: bool,
+    acoustics: tuple[dict[str, AreaFunction], dict[str, str]] | None = None,
 ) -> None:
     postures = {name: posture}
     table = posture_table(postures)
+    tracts, reasons = acoustics or ({}, {})
+    formants = formant_table(tracts) if tracts else None
     if as_json:
-        entry = output.posture_json(table, name, posture, epg=epg)
+        entry = output.posture_json(table, name, posture, formants, epg=epg)
         output.print_json({"speaker": scene.speaker.name, **facts, **entry})
     else:
         output.print_postures(scene, postures, table, epg=epg)
+        output.print_formants(formants, reasons)
     _refuse_unconverged(postures)
+
+
+def _need_tracts(option: str, tracts: dict[str, AreaFunction], reasons: dict[str, str]) -> None:
+    if reasons or not tracts:
+        words = "; ".join(f"/{name}/: {reason}" for name, reason in reasons.items())
+        raise InputError(f"{option} needs the area function, and there is none ({words})")
+
+
+def _write_tracts(
+    tracts: dict[str, AreaFunction], reasons: dict[str, str], plot_tract: Path | None, plot_formants: Path | None
+) -> None:
+    from glossa.figures import area_functions, transfer_functions
+
+    if plot_tract is not None:
+        _need_tracts("--plot-tract", tracts, reasons)
+        _write(area_functions(tracts), plot_tract)
+    if plot_formants is not None:
+        _need_tracts("--plot-formants", tracts, reasons)
+        _write(transfer_functions(tracts), plot_formants)
 
 
 def _write_posture(

@@ -66,6 +66,17 @@ PlotContactOption = Annotated[
         "--plot-contact", metavar="FILE", help="Picture of what touches palate, velum and pharynx, from above."
     ),
 ]
+PlotTractOption = Annotated[
+    Path | None,
+    typer.Option("--plot-tract", metavar="FILE", help="Picture of the area function, glottis to lips."),
+]
+PlotFormantsOption = Annotated[
+    Path | None,
+    typer.Option("--plot-formants", metavar="FILE", help="Picture of the transfer function, formants marked."),
+]
+WavOption = Annotated[
+    Path | None, typer.Option("--wav", metavar="FILE", help="Sound (.wav), with the lips of Table IV.")
+]
 PlotOption = Annotated[
     Path | None,
     typer.Option("--plot", metavar="FILE", help="Picture (.png, .pdf, .svg); without FILE, named after the command."),

@@ -69,9 +69,12 @@ def print_json(value: Mapping[str, Any]) -> None:
     sys.stdout.write(json.dumps(value, ensure_ascii=False, indent=2, allow_nan=False) + "\n")
 
 
-def posture_json(table: xr.Dataset, name: str, posture: Posture, *, epg: bool = False) -> dict[str, Any]:
+def posture_json(
+    table: xr.Dataset, name: str, posture: Posture, formants: xr.Dataset | None = None, *, epg: bool = False
+) -> dict[str, Any]:
     """One posture and its row of :func:`glossa.studies.posture_table`; null where it has not converged.
 
+    "formants_Hz" is null where ``formants``, of :func:`glossa.studies.formant_table`, has no row for the posture.
     "contact" is null without contact, "hyoid_displacement_mm" (x, z) with a fixed hyoid. "palatogram" is there only
     with ``epg``: rows of 1 and 0, a blank where there is no electrode.
     """
@@ -81,7 +84,7 @@ def posture_json(table: xr.Dataset, name: str, posture: Posture, *, epg: bool = 
     return {
         "converged": bool(row["converged"]),
         "forces_N": {muscle: _number(force) for muscle, force in forces},
-        "formants_Hz": None,
+        "formants_Hz": None if formants is None or name not in formants["tract"] else _formants_json(formants, name),
         "tip_displacement_mm": [_number(x) for x in row["displacement"].sel(point="tip").values.tolist()],
         "dorsum_displacement_mm": [_number(x) for x in row["displacement"].sel(point="dorsum").values.tolist()],
         "contact": None if posture.contact is None else _contact_json(around),
@@ -106,6 +109,10 @@ def _contact_json(around: xr.Dataset) -> dict[str, Any]:
 def _hyoid_json(around: xr.Dataset) -> Any:
     """X and z, mm; over time where there is a dimension time."""
     return _numbers(around["hyoid_displacement"].sel(axis=["x", "z"]).values.tolist())
+
+
+def _formants_json(formants: xr.Dataset, name: str) -> Any:
+    return _numbers(formants["frequency"].sel(tract=name).values.tolist(), 3)
 
 
 def _palatogram_json(posture: Posture) -> dict[str, Any]:
@@ -275,6 +282,30 @@ def _surroundings_table(postures: Mapping[str, Posture], *, contact: bool, hyoid
         moved = around["hyoid_displacement"].sel(axis=["x", "z"]).values.tolist()
         shown.add_row("hyoid", *(f"{x:+.1f} / {z:+5.1f}" for x, z in moved))
     return shown
+
+
+def print_formants(formants: xr.Dataset | None, reasons: Mapping[str, str]) -> None:
+    """Formants beside Table IV, and why some are missing."""
+    console = Console()
+    if formants is not None:
+        console.print("Formants, Hz: here / paper's Table IV. Tract length, glottis to lips, cm", highlight=False)
+        published = paper.formants_simulated()
+        shown = Table()
+        for heading in ("", *(f"F{number}" for number in formants["formant"].values.tolist()), "length"):
+            shown.add_column(heading, justify="right" if heading else "left")
+        for name in formants["tract"].values.tolist():
+            row = formants.sel(tract=name)
+            cells = []
+            for number, value in zip(row["formant"].values.tolist(), row["frequency"].values.tolist(), strict=True):
+                own = f"{value:.0f}" if math.isfinite(value) else "-"
+                known = name in published.index and f"F{number}_Hz" in published.columns
+                cells.append(f"{own} / {float(published.loc[name, f'F{number}_Hz']):4.0f}" if known else own)
+            shown.add_row(_slashed(name), *cells, f"{float(row['length']) * 1e2:.1f}")
+        console.print(shown)
+        causes = zip(formants["tract"].values.tolist(), formants["reason"].values.tolist(), strict=True)
+        reasons = {**reasons, **{name: cause for name, cause in causes if cause}}
+    for name, reason in reasons.items():
+        console.print(f"note: no formants of {_slashed(name)}: {reason}", style="dim", highlight=False)
 
 
 def _print_palatograms(console: Console, postures: Mapping[str, Posture]) -> None:

@@ -9,10 +9,12 @@ from glossa.figures.contact import contact_map, electropalatogram
 from glossa.figures.midsagittal import midsagittal, midsagittal_panels
 from glossa.figures.overview import overview
 from glossa.figures.spatial import muscles, surfaces
+from glossa.figures.tract import cutting_planes, tract_sections
 
 __all__ = [
     "area_functions",
     "contact_map",
+    "cutting_planes",
     "electropalatogram",
     "force_bars",
     "midsagittal",
@@ -21,6 +23,7 @@ __all__ = [
     "muscles",
     "overview",
     "surfaces",
+    "tract_sections",
     "transfer_functions",
     "vowel_chart",
 ]

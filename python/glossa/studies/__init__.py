@@ -1,5 +1,6 @@
 """Studies: runs that answer a question of the paper, from a scene to a table. Nothing here draws or prints."""
 
+from glossa.studies.acoustics import formant_table, movement_tracts, vowel_tracts
 from glossa.studies.contact import contact_over_time, contact_table
 from glossa.studies.costs import effect_costs
 from glossa.studies.points import displacements_mm, tracked_nodes
@@ -12,11 +13,14 @@ __all__ = [
     "contact_table",
     "displacements_mm",
     "effect_costs",
+    "formant_table",
+    "movement_tracts",
     "posture_table",
     "rest_posture",
     "single_muscle",
     "single_muscle_command",
     "single_muscles",
     "tracked_nodes",
+    "vowel_tracts",
     "vowels",
 ]
