@@ -7,14 +7,25 @@ from functools import cache
 import numpy as np
 from tests.blocks import FloatArray
 
-from glossa import Posture, Scene, Speaker
+from glossa import MUSCLES, VOWELS, Posture, Scene, Speaker
 from glossa.anatomy.hexahedra import matching_faces
 from glossa.anatomy.surface_sampling import surface_samples
 from glossa.contact_points import LEAST_MOBILITY, contact_points
 
-MUSCLES = ("GGa", "GGm", "GGp", "Sty", "HG", "Vert", "Trans", "IL", "SL", "GH", "MH")
+FRICTIONS = (0.0, 0.1)
 REFLEX_ONLY = dict.fromkeys(MUSCLES, 1.0)
 """Commands equal to the lengths at rest."""
+
+
+@cache
+def scene_of(speaker: Speaker, friction: float, mirror: bool = True, gravity: str = "upright") -> Scene:
+    return Scene(speaker, friction=friction, mirror=mirror, gravity=gravity)
+
+
+@cache
+def vowel_of(speaker: Speaker, friction: float, vowel: str, mirror: bool = True) -> Posture:
+    """From rest."""
+    return scene_of(speaker, friction, mirror).equilibrate(VOWELS[vowel])
 
 
 def largest(difference: FloatArray) -> float:

@@ -21,39 +21,44 @@ Rows<T> rows(const std::vector<Index>& start, std::vector<T> values, const char*
   return result;
 }
 
+/// Arrays of a dictionary by name.
+struct Arrays {
+  const py::dict& from;
+  [[nodiscard]] std::vector<Index> ints(const char* key) const { return to_vector(from[key].cast<IntArray>()); }
+  [[nodiscard]] std::vector<double> reals(const char* key) const { return to_vector(from[key].cast<DoubleArray>()); }
+};
+
 Macrofibres macrofibres(const py::dict& d) {
   Macrofibres fibres;
-  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
-  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
-  fibres.nodes = rows(ints("node_start"), ints("nodes"), "fibre nodes");
-  fibres.muscle = ints("muscle");
-  fibres.capacity = reals("capacity");
-  fibres.length_factor = reals("length_factor");
-  fibres.rest_length = reals("rest_length");
-  const auto elements = ints("stiffened_elements");
-  const auto gains = reals("stiffening_gains");
+  const Arrays arrays{d};
+  fibres.nodes = rows(arrays.ints("node_start"), arrays.ints("nodes"), "fibre nodes");
+  fibres.muscle = arrays.ints("muscle");
+  fibres.capacity = arrays.reals("capacity");
+  fibres.length_factor = arrays.reals("length_factor");
+  fibres.rest_length = arrays.reals("rest_length");
+  const auto elements = arrays.ints("stiffened_elements");
+  const auto gains = arrays.reals("stiffening_gains");
   require(elements.size() == gains.size(), "stiffened elements and gains must have one length");
   std::vector<Stiffened> stiffened;
   for (std::size_t k = 0; k < elements.size(); ++k) stiffened.push_back({elements[k], gains[k]});
-  fibres.stiffened = rows(ints("stiffened_start"), std::move(stiffened), "stiffened elements");
+  fibres.stiffened = rows(arrays.ints("stiffened_start"), std::move(stiffened), "stiffened elements");
   return fibres;
 }
 
 std::optional<ContactOptions> contact_options(const py::object& given) {
   if (given.is_none()) return std::nullopt;
   const auto d = given.cast<py::dict>();
-  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
-  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
+  const Arrays arrays{d};
   ContactOptions contact;
-  const auto nodes = ints("weight_node");
-  const auto along = reals("weight_along"), across = reals("weight_across");
+  const auto nodes = arrays.ints("weight_node");
+  const auto along = arrays.reals("weight_along"), across = arrays.reals("weight_across");
   require(along.size() == nodes.size() && across.size() == nodes.size(), "contact weights must have one length");
   std::vector<PointWeight> weights;
   for (std::size_t k = 0; k < nodes.size(); ++k) weights.push_back({nodes[k], along[k], across[k]});
-  contact.points.weights = rows(ints("weight_start"), std::move(weights), "contact weights");
-  contact.points.area = reals("area");
-  contact.points.wall = ints("wall");
-  contact.points.offset = reals("offset");
+  contact.points.weights = rows(arrays.ints("weight_start"), std::move(weights), "contact weights");
+  contact.points.area = arrays.reals("area");
+  contact.points.wall = arrays.ints("wall");
+  contact.points.offset = arrays.reals("offset");
   for (const py::handle field : d["walls"]) contact.walls.push_back(field.cast<std::shared_ptr<DistanceField>>());
   contact.friction = d["friction"].cast<double>();
   return contact;
@@ -62,16 +67,15 @@ std::optional<ContactOptions> contact_options(const py::object& given) {
 std::optional<Bone> bone_options(const py::object& given) {
   if (given.is_none()) return std::nullopt;
   const auto d = given.cast<py::dict>();
-  const auto ints = [&](const char* key) { return to_vector(d[key].cast<IntArray>()); };
-  const auto reals = [&](const char* key) { return to_vector(d[key].cast<DoubleArray>()); };
+  const Arrays arrays{d};
   Bone bone;
-  bone.ties = {ints("tied"), d["centre"].cast<Index>(), d["turn"].cast<Index>()};
-  const auto mass_nodes = ints("mass_node");
-  const auto masses = reals("mass");
+  bone.ties = {arrays.ints("tied"), d["centre"].cast<Index>(), d["turn"].cast<Index>()};
+  const auto mass_nodes = arrays.ints("mass_node");
+  const auto masses = arrays.reals("mass");
   require(mass_nodes.size() == masses.size(), "bone: one node per mass is needed");
   for (std::size_t k = 0; k < masses.size(); ++k) bone.masses.push_back({mass_nodes[k], masses[k]});
-  const auto on_bone = ints("spring_on_bone"), fixed = ints("spring_fixed");
-  const auto stiffness = reals("spring_stiffness"), rest = reals("spring_rest");
+  const auto on_bone = arrays.ints("spring_on_bone"), fixed = arrays.ints("spring_fixed");
+  const auto stiffness = arrays.reals("spring_stiffness"), rest = arrays.reals("spring_rest");
   require(on_bone.size() == fixed.size() && on_bone.size() == stiffness.size() && on_bone.size() == rest.size(),
           "bone: springs need two nodes, a stiffness and a rest length each");
   for (std::size_t k = 0; k < rest.size(); ++k) bone.springs.push_back({on_bone[k], fixed[k], stiffness[k], rest[k]});

@@ -17,7 +17,6 @@ class Candidates {
 
   void clear() { list_.clear(); }
   [[nodiscard]] bool empty() const { return list_.empty(); }
-  [[nodiscard]] std::size_t size() const { return list_.size(); }
 
   /// Those for the ball (m), whose centre is `nearest` (m) from the nearest shape. `tree` is over all shapes.
   void gather(const BoxTree& tree, const Vector3& centre, double radius, double nearest) {

@@ -75,6 +75,16 @@ class LatticeBricks {
     }
     visit_range(first, last, visit);
   }
+  /// A brick and the 26 around it, the last index fastest; beyond the lattice the nearest ones.
+  [[nodiscard]] std::array<int, 27> cube_around(int number) const {
+    const Place place = place_of(number);
+    const auto clamped = [&](std::size_t axis, int step) { return std::clamp(place[axis] + step, 0, size_[axis] - 1); };
+    std::array<int, 27> result;
+    for (int n = 0; n < 27; ++n)
+      result[static_cast<std::size_t>(n)] =
+          number_of(clamped(0, n / 9 - 1), clamped(1, n / 3 % 3 - 1), clamped(2, n % 3 - 1));
+    return result;
+  }
 
  private:
   template <class Visit>
@@ -116,14 +126,9 @@ struct BrickValues {
   void halo(const LatticeBricks& bricks, const std::vector<Index>& block_of, int number, Halo& halo) const {
     const auto place = bricks.place_of(number);
     const auto& size = bricks.size();
+    const std::array<int, 27> around = bricks.cube_around(number);
     const Value* near[27];
-    for (int n = 0; n < 27; ++n) {
-      const auto clamped = [&](std::size_t axis, int step) {
-        return std::clamp(place[axis] + step, 0, size[axis] - 1);
-      };
-      const int i = clamped(0, n / 9 - 1), j = clamped(1, n / 3 % 3 - 1), k = clamped(2, n % 3 - 1);
-      near[n] = block(block_of[static_cast<std::size_t>(bricks.number_of(i, j, k))]);
-    }
+    for (std::size_t n = 0; n < 27; ++n) near[n] = block(block_of[static_cast<std::size_t>(around[n])]);
     // Brick before, in or after, and the point there, for places -1 to 4 along an axis.
     const auto split = [&](std::size_t axis, int t) -> std::pair<int, int> {
       if (t < 0) return {0, place[axis] == 0 ? 0 : 3};

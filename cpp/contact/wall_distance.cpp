@@ -230,15 +230,10 @@ void fill_far(const DistanceSamples& coarse, double reach, const std::vector<std
   for (std::size_t n = 0; n < near.size(); ++n) {
     if (near[n] != 0 || wanted[n] == 0) continue;
     const int number = static_cast<int>(n);
+    const std::array<int, 27> cube = bricks.cube_around(number);
     std::array<double, 27> around;
-    const auto place = bricks.place_of(number);
-    for (int m = 0; m < 27; ++m) {
-      const auto clamped = [&](std::size_t axis, int step) {
-        return std::clamp(place[axis] + step, 0, bricks.size()[axis] - 1);
-      };
-      around[static_cast<std::size_t>(m)] = centre[static_cast<std::size_t>(
-          bricks.number_of(clamped(0, m / 9 - 1), clamped(1, m / 3 % 3 - 1), clamped(2, m % 3 - 1)))];
-    }
+    std::transform(cube.begin(), cube.end(), around.begin(),
+                   [&](int m) { return centre[static_cast<std::size_t>(m)]; });
     const auto [least, most] = std::minmax_element(around.begin(), around.end());
     if (*most <= -reach) {
       fine.block_of[n] = DistanceSamples::behind_block;

@@ -48,24 +48,20 @@ class EquilibriumSolver {
   Status reach(const NodeField& target) {
     NodeField gap(target.size());
     double left = 1.0;
-    while (left > 0.0) {
+    for (bool first = true; left > 0.0; first = false) {
       bool moved = false;
       for (std::size_t k = 0; k < gap.size(); ++k) {
         gap[k] = system_.moving()[k] ? 0.0 : target[k] - trial_.positions[k];
         moved = moved || gap[k] != 0.0;
       }
       if (!moved && wall_shift_ == options_.wall_shift) break;
-      if (left == 1.0 && system_.contact() != nullptr) {
-        // What is far from equilibrium would move further than a displaced wall or node may.
+      // With contact from the start: what is far from equilibrium would move further than a displaced wall or node may.
+      if (!first || system_.contact() != nullptr) {
         const Status loose = minimise(1e-2);
         if (loose != Status::converged) return loose;
       }
       const Status status = advance(gap, left);
       if (status != Status::converged) return status;
-      if (left > 0.0 && system_.contact() == nullptr) {
-        const Status loose = minimise(1e-2);
-        if (loose != Status::converged) return loose;
-      }
     }
     return Status::converged;
   }

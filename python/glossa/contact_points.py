@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -164,6 +165,13 @@ def contact_points(speaker: Speaker, held: BoolArray, *, mirror: bool) -> Contac
         InputError: a wall that cannot be touched: degenerate, inside out, open where the tongue faces it, or behind
             the tongue at rest; or not symmetric in a mirrored scene.
     """
+    return _contact_points(speaker, held.tobytes(), mirror)
+
+
+@lru_cache(maxsize=8)
+def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> ContactPoints:
+    """Kept, since a study makes many scenes of one speaker."""
+    held = np.frombuffer(held_bytes, dtype=bool)
     parts, fields = [], []
     for number, (name, wall) in enumerate(speaker.walls.items()):
         check_wall(name, wall)
@@ -222,7 +230,7 @@ def _box(points: FloatArray, wall: Wall) -> tuple[FloatArray, FloatArray]:
 
 
 def _field(wall: Wall, low: FloatArray, high: FloatArray) -> Any:
-    """Signed distance of a wall; kept by content, since a study makes many scenes of one speaker."""
+    """Signed distance of a wall; kept by content, for speakers that share it and scenes that hold other nodes."""
     digest = hashlib.sha256()
     for part in (wall.vertices, wall.triangles, low, high):
         digest.update(np.ascontiguousarray(part).tobytes())

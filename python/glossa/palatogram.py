@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray, frozen
 from glossa.anatomy.plane_cut import plane_cut
+from glossa.anatomy.swept_surface import chord_lengths
 from glossa.anatomy.walls import Wall
 from glossa.checks import positive_number
 from glossa.errors import InputError
@@ -130,7 +131,7 @@ def palate_electrodes(wall: Wall) -> FloatArray:
     if height < LEAST_HEIGHT:
         raise InputError("it does not rise behind its front edge, so that it has no vault to put electrodes on")
     first = edge + int(np.argmax(z[edge:] >= z[edge] + CROWN * height))
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x[first:]), np.diff(z[first:])))])
+    along = chord_lengths(np.column_stack([x[first:], z[first:]]))
     stations = np.interp(STATIONS * along[-1], along, x[first:])
     rows = []
     for station, count in zip(stations.tolist(), ROWS, strict=True):
@@ -164,7 +165,7 @@ def _row(wall: Wall, x: float, count: int) -> FloatArray:
     sides = np.concatenate([point[None], line[: place + 1][::-1]]), np.concatenate([point[None], line[place + 1 :]])
     left, right = (_to_the_gum(side, x) for side in (sides if right_first else sides[::-1]))
     path = np.concatenate([left[:0:-1], right])
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    along = chord_lengths(path)
     at = np.linspace(0.0, along[-1], count)
     return np.stack([np.interp(at, along, path[:, k]) for k in (0, 1)], axis=1)
 

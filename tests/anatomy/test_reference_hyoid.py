@@ -9,7 +9,7 @@ from tests.anatomy.wall_geometry import Front, directed_edges, surface_of, windi
 
 from glossa.anatomy import Speaker, Wall
 from glossa.anatomy.reference_block import Block
-from glossa.anatomy.reference_hyoid import solid
+from glossa.anatomy.solid import solid
 
 
 @pytest.fixture(scope="module", params=[1, 2, 3])

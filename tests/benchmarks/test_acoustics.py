@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import statistics
-import time
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from tests.acoustics.tracts import rough
+from tests.benchmarks.timing import cpu_seconds
 
 from glossa import TUBE_CONSTANTS, AreaFunction, synthesize
 from glossa.acoustics import formants
@@ -17,21 +16,12 @@ pytestmark = pytest.mark.slow
 SECTIONS = 45
 
 
-def cpu_seconds(job: Callable[[], object], repeats: int = 3) -> float:
-    times = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        job()
-        times.append(time.process_time() - begin)
-    return statistics.median(times)
-
-
 @pytest.mark.parametrize("name", TUBE_CONSTANTS)
 @pytest.mark.parametrize("method", ["poles", "peaks"])
 def test_thousand_tracts(name: str, method: str) -> None:
     """1,000 random tracts of 45 sections, four formants each: at most 10 s."""
     lengths, areas = rough(0, 1000, SECTIONS, 0.35)
-    seconds = cpu_seconds(lambda: formants(areas, 4, lengths=lengths, constants=name, method=method))
+    seconds = cpu_seconds(lambda: formants(areas, 4, lengths=lengths, constants=name, method=method), 3)
     print(f"\n1,000 tracts x 4 formants, {method}, {name}: {seconds:.2f} s")
     assert seconds < 10.0
 
@@ -60,4 +50,4 @@ def test_single_results() -> None:
     }
     print()
     for what, job in jobs.items():
-        print(f"{what:45}{cpu_seconds(job) * 1e3:9.1f} ms")
+        print(f"{what:45}{cpu_seconds(job, 3) * 1e3:9.1f} ms")

@@ -7,13 +7,12 @@ contact (0.1 mm: error at any node and time against a step of 0.5 ms). No time i
 from __future__ import annotations
 
 import platform
-import statistics
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.benchmarks.timing import cpu_seconds
 from tests.blocks import block
 
 import glossa
@@ -24,16 +23,6 @@ from glossa.studies.costs import FAR
 
 pytestmark = pytest.mark.slow
 PB = Path(__file__).parents[3] / "shared" / "reference" / "pb"
-
-
-def cpu_seconds(job: Callable[[], object], repeats: int = 9) -> float:
-    """Median CPU time of a job."""
-    times = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        job()
-        times.append(time.process_time() - begin)
-    return statistics.median(times)
 
 
 class Table:

@@ -14,9 +14,9 @@ from glossa.figures import contact_map, electropalatogram, midsagittal, midsagit
 from glossa.figures.contact import LOOKS, ROOF, face_states
 from glossa.figures.midsagittal import NEAR_MIDLINE
 from glossa.figures.style import VOWEL_COLOURS
-from glossa.figures.surroundings import hyoid_of, springs_of, walls_of
 from glossa.palatogram import palatogram
 from glossa.studies import rest_posture
+from glossa.surroundings import hyoid_of, springs_of, walls_of
 
 
 def test_states_are_those_of_the_contact_points(postures: dict[str, Posture]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from glossa.tract.airway import Channel, Passage, airway, runs, split_at_slits
+from glossa.tract.airway import Channel, Passage, airway, channels, split_at_slits
 
 BARRIER = 0.5e-3
 
@@ -25,8 +25,8 @@ def spans(passage: Passage) -> tuple[list[tuple[int, int]], list[tuple[int, int]
 
 
 def test_runs_of_columns() -> None:
-    assert runs(np.array([True, False, True, True])) == [Channel(0, 0), Channel(2, 3)]
-    assert runs(np.zeros(3, dtype=bool)) == []
+    assert channels(np.array([True, False, True, True])) == [Channel(0, 0), Channel(2, 3)]
+    assert channels(np.zeros(3, dtype=bool)) == []
 
 
 def test_one_channel_all_the_way() -> None:

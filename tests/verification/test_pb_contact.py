@@ -5,36 +5,23 @@ Nothing is fitted. Contact is obeyed to 0.05 mm at points 2.5 mm apart, so place
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 from tests.blocks import FloatArray
 from tests.speaker_contact import (
-    MUSCLES,
+    FRICTIONS,
     REFLEX_ONLY,
     bone_balance,
     fine_surface,
     largest,
     on_both_sides,
+    scene_of,
     tongue_balance,
     touched,
+    vowel_of,
 )
 
-from glossa import VOWELS, Posture, Scene, Speaker, paper
-
-FRICTIONS = (0.0, 0.1)
-
-
-@cache
-def scene_of(speaker: Speaker, friction: float, mirror: bool = True, gravity: str = "upright") -> Scene:
-    return Scene(speaker, friction=friction, mirror=mirror, gravity=gravity)
-
-
-@cache
-def vowel_of(speaker: Speaker, friction: float, vowel: str, mirror: bool = True) -> Posture:
-    """From rest."""
-    return scene_of(speaker, friction, mirror).equilibrate(VOWELS[vowel])
+from glossa import MUSCLES, VOWELS, Posture, Scene, Speaker, paper
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)

@@ -8,16 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from tests.blocks import FloatArray
-from tests.speaker_contact import REFLEX_ONLY, largest
+from tests.speaker_contact import REFLEX_ONLY, largest, scene_of
 
-from glossa import VOWELS, Movement, Posture, Ramp, Scene, Speaker
+from glossa import VOWELS, Movement, Posture, Ramp, Speaker
 
 TIMES = np.linspace(0.008, 0.2, 25)
-
-
-@cache
-def scene_of(speaker: Speaker, friction: float) -> Scene:
-    return Scene(speaker, friction=friction, mirror=True)
 
 
 @cache

@@ -7,30 +7,20 @@ from functools import cache
 import numpy as np
 import pytest
 from tests.speaker_contact import (
+    FRICTIONS,
     REFLEX_ONLY,
     bone_balance,
     fine_surface,
     largest,
     on_both_sides,
+    scene_of,
     tongue_balance,
     touched,
+    vowel_of,
 )
 
-from glossa import VOWELS, Posture, Ramp, Scene, Speaker, _core
+from glossa import VOWELS, Ramp, Scene, Speaker, _core
 from glossa.anatomy.walls import Wall
-
-FRICTIONS = (0.0, 0.1)
-
-
-@cache
-def scene_of(speaker: Speaker, friction: float, mirror: bool = True) -> Scene:
-    return Scene(speaker, friction=friction, mirror=mirror)
-
-
-@cache
-def vowel_of(speaker: Speaker, friction: float, vowel: str, mirror: bool = True) -> Posture:
-    """From rest."""
-    return scene_of(speaker, friction, mirror).equilibrate(VOWELS[vowel])
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)

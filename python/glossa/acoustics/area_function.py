@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from glossa.checks import positive_number
+from glossa.checks import positive_number, whole_number
 from glossa.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ LARGEST = 0.01
 """m²; a larger section was meant in other units."""
 SMALLEST = 1e-8
 """m²: a narrower section, thinner than the layer of air that sticks to its wall, is closed."""
+
+MOST_SECTIONS = 100_000
 
 COLUMNS = {
     ("length_m", "area_m2"): (1.0, 1.0),
@@ -63,10 +65,9 @@ class AreaFunction:
     @classmethod
     def uniform(cls, length: float, area: float, sections: int = 1) -> AreaFunction:
         """A cylinder of this length (m) and area (m²) in equal sections."""
-        if isinstance(sections, bool) or not isinstance(sections, int) or sections < 1:
-            raise InputError(f"sections must be a whole number of at least 1, got {sections!r}")
+        count = whole_number(sections, "sections", 1, MOST_SECTIONS)
         total = positive_number(length, "length (m)")
-        return cls(np.full(sections, total / sections), np.full(sections, positive_number(area, "area (m²)")))
+        return cls(np.full(count, total / count), np.full(count, positive_number(area, "area (m²)")))
 
     @classmethod
     def from_csv(cls, path: str | Path) -> AreaFunction:

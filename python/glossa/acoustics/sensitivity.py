@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from glossa.acoustics.area_function import AreaFunction
 from glossa.acoustics.constants import TubeConstants, tube_constants
-from glossa.acoustics.formants import WIDEST
 from glossa.acoustics.transmission_line import flow_ratio_gradient
 from glossa.checks import flag, one_of
 
@@ -43,8 +42,8 @@ def sensitivity(
     one_of(by, ("area", "length"), "by")
     flag(relative, "relative")
     found = area.formants(n, constants=constants)
-    kept = found.poles[2.0 * found.poles.imag <= WIDEST][:n]
-    omega = 2.0 * np.pi * kept[None, :]
+    poles = np.asarray(found.frequencies + 0.5j * found.bandwidths, dtype=np.complex128)
+    omega = 2.0 * np.pi * poles[None, :]
     by_omega, by_area, by_length = flow_ratio_gradient(
         omega, area.lengths[None, :], area.areas[None, :], tube_constants(constants)
     )

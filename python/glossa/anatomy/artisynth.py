@@ -31,6 +31,7 @@ from glossa.anatomy.muscle import Muscle
 from glossa.anatomy.obj_file import read_obj
 from glossa.anatomy.paper_table import MUSCLE_NAMES, force_capacities
 from glossa.anatomy.pb import HYOID_DENSITY, contour_points, hyoid_spring
+from glossa.anatomy.solid import solid
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.walls import Hyoid, Wall
 from glossa.errors import InputError, SpeakerFileError
@@ -311,11 +312,9 @@ def _hyoid(mesh: _Mesh, surface: Path) -> Hyoid | None:
     if not surface.is_file():
         return None
     bone = read_obj(surface)
-    corners = bone.vertices[bone.triangles]
-    parts = np.linalg.det(corners) / 6.0  # signed volumes of the tetrahedra from the origin
-    centre = (parts[:, None] * corners.sum(axis=1) / 4.0).sum(axis=0) / parts.sum()
+    volume, centre = solid(bone)
     springs = tuple(
         hyoid_spring(bone, mesh.positions[row[0]], mesh.positions[row[1]], f"spring {row[9]}")
         for row in mesh.of(_SPRING).tolist()
     )
-    return Hyoid(bone, abs(float(parts.sum())) * HYOID_DENSITY, centre, springs)
+    return Hyoid(bone, abs(volume) * HYOID_DENSITY, centre, springs)

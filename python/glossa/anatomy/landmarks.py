@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from glossa.errors import InputError
 
 RAYS, LAYERS, COLUMNS = 16, 6, 4  # cells along i, along j, and along k on each side
 _MILLIMETRE = 1e-3
+_Built = TypeVar("_Built")
 
 
 def pchip_slopes(knots: FloatArray, values: FloatArray) -> FloatArray:
@@ -172,15 +174,24 @@ def load_landmarks(path: Path | None = None) -> Landmarks:
     Raises:
         InputError: unreadable TOML, missing entries or wrong lengths; the message names the file.
     """
-    path = data_path("landmarks/reference_tongue.toml") if path is None else path
+    return read_table(data_path("landmarks/reference_tongue.toml") if path is None else path, _landmarks)
+
+
+def read_table(path: Path, build: Callable[[dict[str, Any]], _Built]) -> _Built:
+    """What ``build`` makes of a TOML file of landmarks in mm and degrees.
+
+    Raises:
+        InputError: unreadable TOML, other units, missing or malformed entries, or what ``build`` refuses; the message
+            names the file.
+    """
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
         if table["length_unit"] != "mm" or table["angle_unit"] != "degree":
             raise InputError("length_unit must be 'mm' and angle_unit 'degree'")
-        return _landmarks(table)
-    except (tomllib.TOMLDecodeError, InputError) as error:
+        return build(table)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, InputError) as error:
         raise InputError(f"{path}: {error}") from None
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: missing or malformed entry {error}") from None
 
 

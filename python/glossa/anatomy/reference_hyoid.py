@@ -6,6 +6,7 @@ import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.landmarks import pchip
+from glossa.anatomy.solid import solid
 from glossa.anatomy.swept_surface import chord_lengths, cubic_spline, grid_quads, mirrored_wall
 from glossa.anatomy.wall_landmarks import Table, WallLandmarks
 from glossa.anatomy.walls import Hyoid, Spring, Wall
@@ -27,18 +28,6 @@ def reference_hyoid(landmarks: WallLandmarks) -> Hyoid:
         for name, ends in landmarks.springs.items()
     )
     return Hyoid(surface, volume * landmarks.density, centre, springs)
-
-
-def solid(surface: Wall) -> tuple[float, FloatArray]:
-    """Volume (m3) and centre of mass (3,) m of what a closed surface with normals outwards encloses, uniformly filled.
-
-    Exact for the facets: the sum over the tetrahedra between the facets and the origin.
-    """
-    a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
-    volumes = (a * np.cross(b, c)).sum(axis=1) / 6.0
-    volume = float(volumes.sum())
-    centre: FloatArray = (volumes[:, None] * (a + b + c)).sum(axis=0) / (4.0 * volume)
-    return volume, centre
 
 
 def _surface(table: Table) -> Wall:

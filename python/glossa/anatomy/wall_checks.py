@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from glossa import _core
-from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray, frozen
 from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
 
@@ -47,7 +48,7 @@ def check_wall(name: str, wall: Wall) -> None:
     triangles = welded_triangles(wall)
     _check_triangles(name, wall, triangles)
     _check_twice(name, wall, triangles)
-    edges, of_side, count = _edges(triangles)
+    edges, of_side, count = triangle_edges(triangles)
     if count.max() > 2:
         edge = int(count.argmax())
         owners = np.flatnonzero((of_side == edge).any(axis=1))
@@ -87,6 +88,7 @@ def check_facing(name: str, wall: Wall, points: FloatArray, directions: FloatArr
         _check_side(name, points[sided], distances[sided], against)
 
 
+@lru_cache(maxsize=16)
 def welded_triangles(wall: Wall) -> IntArray:
     """(m, 3) triangles of a wall; vertices nearer than WELDING_DISTANCE carry the number of the first of them."""
     pairs = cKDTree(wall.vertices).query_pairs(WELDING_DISTANCE, output_type="ndarray")
@@ -94,7 +96,7 @@ def welded_triangles(wall: Wall) -> IntArray:
     links = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     _, cluster = connected_components(links, directed=False)
     _, first = np.unique(cluster, return_index=True)
-    return np.asarray(first[cluster][wall.triangles], dtype=np.int32)
+    return frozen(np.asarray(first[cluster][wall.triangles], dtype=np.int32))
 
 
 def _check_triangles(name: str, wall: Wall, triangles: IntArray) -> None:
@@ -185,7 +187,7 @@ def _check_side(name: str, points: FloatArray, distances: FloatArray, against: B
         )
 
 
-def _edges(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+def triangle_edges(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Edges (k, 2), number of the edge of each side (m, 3), and how many sides each edge has (k,)."""
     ends = np.sort(np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2).astype(np.int64), axis=1)
     vertices = int(triangles.max(initial=0)) + 1
@@ -196,7 +198,7 @@ def _edges(triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
 
 def _inconsistent_sides(triangles: IntArray) -> BoolArray:
     """(m, 3) sides whose edge has two triangles that run along it the same way."""
-    _, of_side, count = _edges(triangles)
+    _, of_side, count = triangle_edges(triangles)
     upwards = np.where(triangles < triangles[:, [1, 2, 0]], 1, -1)
     balance = np.bincount(of_side.ravel(), weights=upwards.ravel())
     return np.asarray(((count == 2) & (balance != 0))[of_side])

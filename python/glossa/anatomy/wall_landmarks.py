@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, float_array, frozen
+from glossa.anatomy.landmarks import read_table
 from glossa.checks import positive_number
 from glossa.data_files import data_path
 from glossa.errors import InputError
@@ -75,16 +75,7 @@ def load_wall_landmarks(path: Path | None = None) -> WallLandmarks:
         InputError: unreadable TOML, missing entries, wrong lengths, values that are not finite or, where they must be,
             not positive; the message names file, table and row.
     """
-    path = data_path("landmarks/reference_walls.toml") if path is None else path
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-        if table["length_unit"] != "mm" or table["angle_unit"] != "degree":
-            raise InputError("length_unit must be 'mm' and angle_unit 'degree'")
-        return _landmarks(table)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, InputError) as error:
-        raise InputError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{path}: missing or malformed entry {error}") from None
+    return read_table(data_path("landmarks/reference_walls.toml") if path is None else path, _landmarks)
 
 
 def _landmarks(table: dict[str, Any]) -> WallLandmarks:

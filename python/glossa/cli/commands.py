@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +12,7 @@ import glossa
 from glossa import paper
 from glossa.acoustics import AreaFunction, synthesize
 from glossa.cli import output
+from glossa.cli.files import check_outputs, need, need_tracts, write, write_posture, write_tracts
 from glossa.cli.options import (
     PICTURES,
     AccuracyOption,
@@ -55,7 +55,7 @@ from glossa.studies import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 SOUND_FRAME = 0.010
 """Between the area functions from which the sound of a movement is made, s."""
@@ -110,7 +110,7 @@ def vowels_command(
     as_json: JsonOption = False,
 ) -> None:
     """The equilibria of /i/, /ə/, /u/ and /a/ (Table III): forces and formants beside the paper's, shapes, contact."""
-    _check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants)
+    check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants)
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     postures = vowels(scene)
@@ -128,12 +128,12 @@ def vowels_command(
     from glossa import figures
 
     if plot is not None:
-        _write(figures.overview(postures, paper.forces()), plot)
+        write(figures.overview(postures, paper.forces()), plot)
     if plot_3d is not None:
-        _write(figures.surfaces(postures), plot_3d)
+        write(figures.surfaces(postures), plot_3d)
     if plot_contact is not None:
-        _write(figures.contact_map(postures), plot_contact)
-    _write_tracts(tracts, reasons, plot_tract, plot_formants)
+        write(figures.contact_map(postures), plot_contact)
+    write_tracts(tracts, reasons, plot_tract, plot_formants)
     _refuse_unconverged(postures)
 
 
@@ -160,17 +160,17 @@ def vowel_command(
 ) -> None:
     """The equilibrium of one vowel: shape, contact, formants and sound."""
     name = vowel_name(vowel)
-    _check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants, vtk=vtk)
+    check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants, vtk=vtk)
     check_output(wav, (".wav",))
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = vowels(scene, [name])[name]
     tracts, reasons = vowel_tracts({name: posture})
     _report_posture(scene, name, posture, {"vowel": name}, as_json, epg, (tracts, reasons))
-    _write_posture(name, posture, plot, plot_3d, plot_contact, vtk)
-    _write_tracts(tracts, reasons, plot_tract, plot_formants)
+    write_posture(name, posture, plot, plot_3d, plot_contact, vtk)
+    write_tracts(tracts, reasons, plot_tract, plot_formants)
     if wav is not None:
-        _need_tracts("--wav", tracts, reasons)
+        need_tracts("--wav", tracts, reasons)
         synthesize(tracts[name]).save(wav)
         output.wrote(wav)
 
@@ -219,7 +219,7 @@ def movement_command(
     if plot is not None:
         from glossa.figures import movement_traces
 
-        _write(movement_traces(movement), plot)
+        write(movement_traces(movement), plot)
 
 
 @app.command("muscle", epilog="Examples: glossa muscle GGp | glossa muscle Sty --command 0.9 --plot sty.png")
@@ -251,13 +251,13 @@ def muscle_command(
     as_json: JsonOption = False,
 ) -> None:
     """What one muscle does alone (section III.A.1, fig. 5): every other muscle is silent."""
-    _check_outputs(plot, plot_3d, plot_contact, vtk=vtk)
+    check_outputs(plot, plot_3d, plot_contact, vtk=vtk)
     scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = single_muscle(scene, muscle, command)
     fraction = single_muscle_command(muscle) if command is None else command
     _report_posture(scene, muscle, posture, {"muscle": muscle, "command": fraction}, as_json, epg)
-    _write_posture(muscle, posture, plot, plot_3d, plot_contact, vtk)
+    write_posture(muscle, posture, plot, plot_3d, plot_contact, vtk)
 
 
 @app.command("muscles", epilog="Examples: glossa muscles | glossa muscles --plot muscles.png")
@@ -278,7 +278,7 @@ def muscles_command(
     if plot is not None:
         from glossa.figures import muscles
 
-        _write(muscles(body), plot)
+        write(muscles(body), plot)
 
 
 @app.command(
@@ -346,7 +346,7 @@ def view_command(
     """A 3D view to turn and zoom; needs pyvista, the extra "view" of this package."""
     name = None if vowel is None else vowel_name(vowel)
     check_output(screenshot, (".png",))
-    _need("pyvista", "the 3D view", "glossa[view]")
+    need("pyvista", "the 3D view", "glossa[view]")
     body = make_speaker(speaker, resolution)
     if name is None:
         posture = rest_posture(body)
@@ -357,19 +357,6 @@ def view_command(
     view(posture, muscle=muscle, springs=springs, screenshot=screenshot)
     if screenshot is not None:
         output.wrote(screenshot)
-
-
-def _need(module: str, what: str, requirement: str) -> None:
-    if importlib.util.find_spec(module) is None:
-        raise InputError(f"{what} needs {module}; install it with: pip install '{requirement}'")
-
-
-def _check_outputs(*pictures: Path | None, vtk: Path | None = None) -> None:
-    for picture in pictures:
-        check_output(picture, PICTURES)
-    check_output(vtk, (".vtu", ".vtk"))
-    if vtk is not None:
-        _need("meshio", "--vtk", "meshio")
 
 
 def _check_contact(scene: Scene, epg: bool, plot_contact: Path | None) -> None:
@@ -401,46 +388,6 @@ def _report_posture(
         output.print_postures(scene, postures, table, epg=epg)
         output.print_formants(formants, reasons)
     _refuse_unconverged(postures)
-
-
-def _need_tracts(option: str, tracts: dict[str, AreaFunction], reasons: dict[str, str]) -> None:
-    if reasons or not tracts:
-        words = "; ".join(f"/{name}/: {reason}" for name, reason in reasons.items())
-        raise InputError(f"{option} needs the area function, and there is none ({words})")
-
-
-def _write_tracts(
-    tracts: dict[str, AreaFunction], reasons: dict[str, str], plot_tract: Path | None, plot_formants: Path | None
-) -> None:
-    from glossa.figures import area_functions, transfer_functions
-
-    if plot_tract is not None:
-        _need_tracts("--plot-tract", tracts, reasons)
-        _write(area_functions(tracts), plot_tract)
-    if plot_formants is not None:
-        _need_tracts("--plot-formants", tracts, reasons)
-        _write(transfer_functions(tracts), plot_formants)
-
-
-def _write_posture(
-    name: str, posture: Posture, plot: Path | None, plot_3d: Path | None, plot_contact: Path | None, vtk: Path | None
-) -> None:
-    from glossa import figures
-
-    if plot is not None:
-        _write(figures.midsagittal({name: posture}), plot)
-    if plot_3d is not None:
-        _write(figures.surfaces({name: posture}), plot_3d)
-    if plot_contact is not None:
-        _write(figures.contact_map({name: posture}), plot_contact)
-    if vtk is not None:
-        posture.to_meshio().write(vtk)
-        output.wrote(vtk)
-
-
-def _write(figure: Figure, path: Path) -> None:
-    figure.savefig(path)
-    output.wrote(path)
 
 
 def _refuse_unconverged(postures: dict[str, Posture]) -> None:

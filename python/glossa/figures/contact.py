@@ -21,14 +21,15 @@ from glossa.anatomy.hexahedra import matching_faces
 from glossa.anatomy.smooth_surface import SmoothSurface
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.surface_sampling import surface_samples
+from glossa.anatomy.wall_checks import triangle_edges
 from glossa.contact_points import SPACING
 from glossa.errors import InputError
 from glossa.figures import style
 from glossa.figures.facets import shades, view_frame
 from glossa.figures.midsagittal import one_speaker
-from glossa.figures.surroundings import walls_of
 from glossa.palatogram import ROWS, palatogram
 from glossa.results import Posture
+from glossa.surroundings import walls_of
 
 ROOF = ("hard_palate", "soft_palate", "pharynx")
 """Walls above and behind the tongue, as far as a speaker has them: those of fig. 10."""
@@ -225,9 +226,8 @@ def _cells(surface: SmoothSurface | FacetSurface, positions: FloatArray) -> tupl
 
 def _rim(triangles: IntArray) -> IntArray:
     """(e, 2) edges that belong to one triangle only."""
-    edges = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    _, first, counts = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    return np.asarray(edges[first[counts == 1]])
+    edges, _, count = triangle_edges(triangles)
+    return np.asarray(edges[count == 1])
 
 
 def _from_above(points: FloatArray) -> FloatArray:

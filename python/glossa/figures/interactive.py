@@ -9,8 +9,8 @@ import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.figures import style
-from glossa.figures.surroundings import hyoid_of, springs_of, walls_of
 from glossa.results import Posture
+from glossa.surroundings import hyoid_of, springs_of, walls_of
 
 
 def view(

@@ -23,8 +23,8 @@ from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
 from glossa.figures import style
 from glossa.figures.sections import midsagittal_cut, midsagittal_outline, smooth_closed
-from glossa.figures.surroundings import hyoid_of, springs_of, walls_of
 from glossa.results import Posture
+from glossa.surroundings import hyoid_of, springs_of, walls_of
 
 ATTACHMENTS = {"jaw": style.JAW, "hyoid": style.HYOID}
 """Node sets that hold the tongue, and their colours."""

@@ -9,7 +9,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from glossa.acoustics import AreaFunction, TubeConstants, formants
-from glossa.checks import whole_number
 from glossa.errors import InputError
 from glossa.results import Movement, Posture
 from glossa.tract import LIPS, Lips, area_function
@@ -70,7 +69,7 @@ def formant_table(
             "reason": (("tract",), np.array(found.reasons, dtype=object)),
             "length": (("tract",), np.array([tract.length for tract in tracts.values()]), {"units": "m"}),
         },
-        coords={"tract": list(tracts), "formant": np.arange(1, whole_number(n, "n", 1, 100) + 1)},
+        coords={"tract": list(tracts), "formant": np.arange(1, found.frequencies.shape[1] + 1)},
         attrs={"constants": constants if isinstance(constants, str) else constants.name},
     )
 

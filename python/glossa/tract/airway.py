@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glossa.anatomy.arrays import FloatArray
-from glossa.tract.columns import BoolArray
+from glossa.anatomy.arrays import BoolArray, FloatArray
+from glossa.tract.columns import runs
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def airway(gaps: FloatArray, barrier: int, least: float) -> list[Passage]:
     forwards: list[list[Channel]] = []
     for row in gaps:
         before = forwards[-1] if forwards else []
-        options = runs(row >= least) + _groove(row, least, before)
+        options = channels(row >= least) + _groove(row, least, before)
         onwards = [c for c in options if any(_overlap(c, b) >= barrier for b in before)]
         if not onwards:
             onwards = _narrow(row, before) if before else sorted(options, key=lambda c: _nearest(c, middle))[:1]
@@ -73,8 +73,8 @@ def split_at_slits(gaps: FloatArray, least: float, length: int) -> FloatArray:
     result = gaps.copy()
     middle = gaps.shape[1] / 2.0 - 0.5
     for k, row in enumerate(gaps):
-        for channel in runs(row >= least):
-            for slit in runs(row[channel.first : channel.last + 1] < 2.0 * least):
+        for channel in channels(row >= least):
+            for slit in channels(row[channel.first : channel.last + 1] < 2.0 * least):
                 first, last = channel.first + slit.first, channel.first + slit.last
                 between = channel.first < first and last < channel.last
                 if between and last - first + 1 >= length and _nearest(Channel(first, last), middle)[0] >= 1.0:
@@ -89,8 +89,8 @@ def _groove(row: FloatArray, least: float, before: list[Channel]) -> list[Channe
     inside = (row > 0.0) & (row < least)
     if behind:
         inside[: behind[0].first] = inside[behind[0].last + 1 :] = False
-    wide = any(_nearest(c, middle)[0] < 1.0 for c in runs(row >= least))
-    pockets = [c for c in runs(inside) if _nearest(c, middle)[0] < 1.0]
+    wide = any(_nearest(c, middle)[0] < 1.0 for c in channels(row >= least))
+    pockets = [c for c in channels(inside) if _nearest(c, middle)[0] < 1.0]
     return [] if wide else [Channel(c.first, c.last, reached=False) for c in pockets[:1]]
 
 
@@ -101,10 +101,9 @@ def _passage(channels: list[Channel], middle: float) -> Passage:
     return Passage(tuple(on_midline), tuple(c for c in channels if c not in on_midline))
 
 
-def runs(mask: BoolArray) -> list[Channel]:
+def channels(mask: BoolArray) -> list[Channel]:
     """Runs of True in (m,) booleans."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
-    return [Channel(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
+    return [Channel(first, behind - 1) for first, behind in runs(mask)]
 
 
 def _narrow(row: FloatArray, before: list[Channel]) -> list[Channel]:
@@ -112,7 +111,7 @@ def _narrow(row: FloatArray, before: list[Channel]) -> list[Channel]:
     low, high = min(b.first for b in before), max(b.last for b in before)
     inside = np.zeros(len(row), dtype=bool)
     inside[low : high + 1] = row[low : high + 1] > 0.0
-    pockets = sorted(runs(inside), key=lambda c: _nearest(c, len(row) / 2.0 - 0.5))
+    pockets = sorted(channels(inside), key=lambda c: _nearest(c, len(row) / 2.0 - 0.5))
     return [Channel(pocket.first, pocket.last, reached=False) for pocket in pockets[:1]]
 
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
 from glossa.tract.planes import CuttingPlanes
 
-BoolArray = NDArray[np.bool_]
 Numbers = NDArray[np.int64]
 
 WIDTH = 0.25e-3
@@ -36,6 +35,12 @@ class Crossings:
     column: Numbers
     heights: FloatArray
     facing_out: BoolArray
+
+
+def runs(mask: BoolArray) -> list[tuple[int, int]]:
+    """First column of each run of True in (m,) booleans, and the one behind its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 def column_row(half_width: float) -> FloatArray:

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from glossa.anatomy.arrays import FloatArray
 from glossa.anatomy.plane_cut import plane_cut
 from glossa.anatomy.speaker import Speaker
+from glossa.anatomy.swept_surface import chord_lengths
 from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
 
@@ -257,7 +258,7 @@ def _unfolded(chain: FloatArray) -> FloatArray:
 
 def _dense(line: FloatArray, step: float = STEP) -> FloatArray:
     """Points of a line (k, 2) at equal distances of about ``step`` m along it, both ends among them."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    along = chord_lengths(line)
     kept = np.concatenate([[True], np.diff(along) > 0.0])
     count = max(2, round(along[-1] / step) + 1)
     at = np.linspace(0.0, along[-1], count)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, frozen
+from glossa.anatomy.swept_surface import chord_lengths
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class CuttingPlanes:
 
 def planes_along(midline: FloatArray, count: int) -> CuttingPlanes:
     """``count`` planes at equal distances along a midline (k, 2), one at either end."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(midline, axis=0), axis=1))])
+    along = chord_lengths(midline)
     at = np.linspace(0.0, along[-1], count)
     tangent = np.gradient(midline, along, axis=0)
     origins, normals = (np.stack([np.interp(at, along, v[:, a]) for a in range(2)], axis=1) for v in (midline, tangent))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import grey_closing
 
-from glossa.anatomy.arrays import FloatArray
-from glossa.tract.columns import BoolArray, Crossings, Numbers
+from glossa.anatomy.arrays import BoolArray, FloatArray
+from glossa.tract.columns import Crossings, Numbers, runs
 from glossa.tract.rest_tract import REACH, SEAM, RestTract
 
 DEPTH = 20e-3
@@ -82,7 +82,7 @@ def _narrow(missing: BoolArray, widest: int) -> BoolArray:
     """Runs of at most ``widest`` columns."""
     narrow = np.zeros_like(missing)
     for k in np.flatnonzero(missing.any(axis=1)):
-        for first, behind in _runs(missing[k]):
+        for first, behind in runs(missing[k]):
             narrow[k, first:behind] = behind - first <= widest
     return narrow
 
@@ -95,7 +95,7 @@ def _slots(inner: FloatArray, valid: BoolArray, step: float) -> BoolArray:
         closed = grey_closing(ground, size=(1, round(width / step) + 1), mode="nearest")
         deep = (closed - ground > width) & valid
         for k in np.flatnonzero(deep.any(axis=1)):
-            for first, behind in _runs((closed[k] > ground[k]) & valid[k]):
+            for first, behind in runs((closed[k] > ground[k]) & valid[k]):
                 if deep[k, first:behind].any():
                     found[k, first:behind] = True
         _bridge(inner, found)
@@ -105,13 +105,7 @@ def _slots(inner: FloatArray, valid: BoolArray, step: float) -> BoolArray:
 def _bridge(inner: FloatArray, gaps: BoolArray) -> None:
     """Straight lines over runs of columns; the last value where one side has none."""
     for k in np.flatnonzero(gaps.any(axis=1)):
-        for first, behind in _runs(gaps[k]):
+        for first, behind in runs(gaps[k]):
             sides = [c for c in (first - 1, behind) if 0 <= c < inner.shape[1] and np.isfinite(inner[k, c])]
             if sides:
                 inner[k, first:behind] = np.interp(np.arange(first, behind), sides, inner[k, sides])
-
-
-def _runs(mask: BoolArray) -> list[tuple[int, int]]:
-    """First column of each run of True and the one behind its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

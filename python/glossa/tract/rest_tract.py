@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from glossa.anatomy.arrays import FloatArray, frozen
+from glossa.anatomy.arrays import BoolArray, FloatArray, frozen
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.walls import Wall
-from glossa.tract.columns import BoolArray, Crossings, Numbers, column_row, cross, cut
+from glossa.tract.columns import WIDTH, Crossings, Numbers, column_row, cross, cut
 from glossa.tract.midline import rest_midline
 from glossa.tract.planes import CuttingPlanes, planes_along
 
@@ -205,7 +205,7 @@ def _followed(
 
 def _bridged(outer: FloatArray, which: Numbers) -> tuple[FloatArray, Numbers]:
     """Seams of the outer wall filled by straight lines; what lies beyond a wider gap is left out."""
-    widest = round(SEAM / 0.25e-3)
+    widest = round(SEAM / WIDTH)
     half = outer.shape[1] // 2
     for k in range(len(outer)):
         for columns in (np.arange(half, outer.shape[1]), np.arange(half - 1, -1, -1)):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from glossa.anatomy.arrays import FloatArray
 from glossa.tract.contour import Shape
 
@@ -58,11 +56,6 @@ class Section:
     bridged: bool
     lateral_end: bool
     arch: bool
-
-    def in_space(self, points: FloatArray) -> FloatArray:
-        """(…, 3) m: points (…, 2) of the plane, coordinates (y, t), in space."""
-        lateral = np.array([0.0, 1.0, 0.0])
-        return np.asarray(self.origin + points[..., :1] * lateral + points[..., 1:] * self.outwards)
 
     @property
     def sagittal_distance(self) -> float:

@@ -12,10 +12,10 @@ from scipy import sparse
 from glossa.acoustics.area_function import AreaFunction
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.speaker import Speaker
-from glossa.anatomy.walls import Wall
 from glossa.checks import instance, one_of, positive_number, whole_number
 from glossa.errors import InputError
 from glossa.results import Posture
+from glossa.surroundings import hyoid_of, walls_of
 from glossa.tract.airway import Passage, airway, split_at_slits
 from glossa.tract.columns import Crossings, Numbers, cross
 from glossa.tract.contour import contour, joined
@@ -140,7 +140,7 @@ def cut_tract(
     speaker = posture.speaker
     rest = _rest(speaker, count)
     if posture.wall_displacements:
-        rest = with_walls(rest.planes, rest.columns, _displaced(posture))
+        rest = with_walls(rest.planes, rest.columns, walls_of(posture))
     below = profile(rest, _solids(posture, rest, pieces))
     return Tract(_sections(rest, below, end, least, smallest), end, along)
 
@@ -203,23 +203,12 @@ def _divisions(speaker: Speaker) -> int:
     return int(np.clip(np.rint(edges.mean() / FACETS), 1, 16))
 
 
-def _displaced(posture: Posture) -> dict[str, Wall]:
-    """The walls where they were displaced to."""
-    shifts = posture.wall_displacements
-    return {
-        name: Wall(wall.vertices + shifts[name], wall.faces) if name in shifts else wall
-        for name, wall in posture.speaker.walls.items()
-    }
-
-
 def _solids(posture: Posture, rest: RestTract, divisions: int | None) -> list[tuple[int, Crossings]]:
     """Crossings of tongue and hyoid at the posture; their numbers follow those of the walls."""
     weights, triangles = _tongue(posture.speaker, divisions or _divisions(posture.speaker))
     solids = [(weights @ posture.positions, triangles)]
-    hyoid = posture.speaker.hyoid
-    if hyoid is not None and hyoid.surface is not None:
-        bone = hyoid.surface.vertices
-        solids.append((bone if posture.hyoid is None else posture.hyoid.moved(bone), hyoid.surface.triangles))
+    if (bone := hyoid_of(posture)) is not None:
+        solids.append((bone.vertices, bone.triangles))
     first = len(rest.names)
     return [(first + n, cross(*solid, rest.planes, rest.columns)) for n, solid in enumerate(solids)]
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "../fixture.hpp"
+#include "random_tangents.hpp"
 
 namespace glossa::test {
 namespace {
@@ -37,16 +38,9 @@ struct Assembly {
     free[3 * 4 + 1] = 0;
     for (const std::size_t held : {9, 10, 11}) free[held] = 0;
     Random random(71);
-    for (const Hexahedron& element : mesh.hexahedra())
-      for (std::size_t b = 0; b < 8; ++b)
-        for (std::size_t a = 0; a <= b; ++a) {
-          Matrix3 block = random.matrix(1.0);
-          if (a == b) block = (block + block.transpose()).eval();
-          for (Eigen::Index i = 0; i < 3; ++i)
-            for (Eigen::Index j = 0; j < 3; ++j) tangents.push_back(block(i, j));
-          masses.push_back(random(0.0, 1.0));
-          put(element[a], element[b], block + mass_scale * masses.back() * Matrix3::Identity());
-        }
+    random_tangents(mesh, random, tangents, masses, [&](Index a, Index b, const Matrix3& block, double mass) {
+      put(a, b, block + mass_scale * mass * Matrix3::Identity());
+    });
   }
   void put(Index a, Index b, const Matrix3& block) {
     expected.block<3, 3>(3 * a, 3 * b) += block;

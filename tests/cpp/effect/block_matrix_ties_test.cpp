@@ -3,6 +3,7 @@
 
 #include "../fixture.hpp"
 #include "effect/block_matrix.hpp"
+#include "random_tangents.hpp"
 
 namespace glossa::test {
 namespace {
@@ -32,16 +33,9 @@ struct Assembly {
     for (const std::size_t c : held_of_pose) free[57 + c] = 0;
     Random random(231);
     for (std::size_t k = 0; k < ties.nodes.size(); ++k) turn_gradients.push_back(random.matrix(1.0));
-    for (const Hexahedron& element : mesh.hexahedra())
-      for (std::size_t b = 0; b < 8; ++b)
-        for (std::size_t a = 0; a <= b; ++a) {
-          Matrix3 block = random.matrix(1.0);
-          if (a == b) block = (block + block.transpose()).eval();
-          for (Eigen::Index i = 0; i < 3; ++i)
-            for (Eigen::Index j = 0; j < 3; ++j) tangents.push_back(block(i, j));
-          masses.push_back(random(0.0, 1.0));
-          put(element[a], element[b], block + 2.5 * masses.back() * Matrix3::Identity());
-        }
+    random_tangents(mesh, random, tangents, masses, [&](Index a, Index b, const Matrix3& block, double mass) {
+      put(a, b, block + 2.5 * mass * Matrix3::Identity());
+    });
   }
   void put(Index a, Index b, const Matrix3& block) {
     K.block<3, 3>(3 * a, 3 * b) += block;

@@ -1,4 +1,4 @@
-"""Walls and hyoid where a posture has them, for all pictures."""
+"""Walls and hyoid where a posture has them: for pictures, and for the sections of the vocal tract."""
 
 from __future__ import annotations
 
