@@ -54,6 +54,25 @@ def test_sensitivity_spans_the_ranges_of_section_4() -> None:
     assert np.ptp(numbers(table), axis=0).tolist() == [103, 250, 283]
 
 
+def test_dispersion_of_section_4_from_tip_to_root() -> None:
+    table = paper.dispersion()
+    assert len(table) == 6
+    assert numbers(table)[0].tolist() == [8.3, 3.4, 147.0]
+    assert (table["major_mm"] > table["minor_mm"]).all()
+    assert table["angle_deg"].isna().sum() == 2  # "no clear direction"
+
+
+def test_gravity_of_section_5() -> None:
+    table = paper.gravity().set_index(["control", "gravity"])
+    assert table["value"].loc[[("silent", "upright"), ("silent", "supine"), ("reflex", "supine")]].tolist() == [
+        1.5,
+        9,
+        3,
+    ]
+    assert table.loc[["a", "u", "i"], "value"].tolist() == [8.0, 7.0, 1.0]
+    assert set(table["unit"]) == {"mm", "%"}
+
+
 def test_single_muscles_cover_every_muscle() -> None:
     table = paper.single_muscles()
     assert tuple(dict.fromkeys(table["muscle"])) == MUSCLES
@@ -105,6 +124,6 @@ def test_incomplete_rows_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_files_say_where_they_come_from() -> None:
     folder = data_files.data_path("paper/constants.csv").parent
     files = sorted(folder.glob("*.csv"))
-    assert len(files) == 8
+    assert len(files) == 11
     for file in files:
         assert file.read_text(encoding="utf-8").startswith("# Buchaillard, S., Perrier, P. & Payan, Y. (2009)")

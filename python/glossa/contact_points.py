@@ -13,19 +13,13 @@ from scipy import sparse
 
 from glossa import _core
 from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
-from glossa.anatomy.facet_surface import FacetSurface
-from glossa.anatomy.hexahedra import matching_faces
+from glossa.anatomy.contact_samples import contact_samples
 from glossa.anatomy.mirror import TOLERANCE, HalfBody, mirror_pairs
-from glossa.anatomy.smooth_surface import SmoothSurface
 from glossa.anatomy.speaker import Speaker
-from glossa.anatomy.surface_sampling import SurfaceSamples, surface_samples
 from glossa.anatomy.wall_checks import check_facing, check_wall
 from glossa.anatomy.walls import Wall
 from glossa.contact import Contact
 from glossa.errors import InputError
-
-SPACING = 2.5e-3
-"""Distance of neighbouring contact points, m: a surface bent to a radius of 10 mm sags by 0.08 mm between them."""
 
 FIELD_SPACING = 0.9e-3
 """Of the lattice on which the distance of a wall is splined, m: surfaces are kept to 0.025 mm (95 % of their
@@ -177,7 +171,7 @@ def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> Contac
         check_wall(name, wall)
         if mirror:
             _check_symmetric(name, wall)
-        samples = _samples(speaker, name, held)
+        samples = contact_samples(speaker, name, held)
         points = samples.operator @ speaker.nodes
         check_facing(name, wall, points, samples.normals)
         distances = _field(wall, *_box(points, wall))
@@ -196,24 +190,6 @@ def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> Contac
         offsets=np.concatenate(offsets),
         held=np.flatnonzero(held).astype(np.int32),
     )
-
-
-def _samples(speaker: Speaker, wall: str, held: BoolArray) -> SurfaceSamples:
-    """Points of the faces that may touch a wall and have a node that moves.
-
-    Named contact faces belong to an organ whose nodes sample a smooth surface. A body that names none is taken as it
-    is, with bilinear faces.
-    """
-    quads = speaker.surface_quads
-    surface: SmoothSurface | FacetSurface
-    if not speaker.contact_faces:
-        surface, chosen = FacetSurface(speaker.nodes, quads), np.arange(len(quads))
-    else:
-        surface = speaker.smooth_surface
-        chosen = (
-            matching_faces(speaker.contact_faces[wall], quads) if wall in speaker.contact_faces else np.zeros(0, int)
-        )
-    return surface_samples(surface, chosen[~held[quads[chosen]].all(axis=1)].astype(np.int32), SPACING)
 
 
 def _box(points: FloatArray, wall: Wall) -> tuple[FloatArray, FloatArray]:

@@ -109,18 +109,19 @@ class Stiffening:
     """Activation-dependent stiffness of eq. 1.
 
     The paper gives no p1. The rule: an element passed by a muscle's usual number of fibres, all saturated, becomes
-    ``peak_multiplier`` times as stiff as passive tissue (10: the maximal law of fig. 3).
+    ``peak_multiplier`` times as stiff as passive tissue.
 
     Attributes:
-        peak_multiplier: of a saturated element of one muscle, at least 1.
+        peak_multiplier: of a saturated element of one muscle, at least 1; None: each muscle's own
+            (``Muscle.peak_multiplier``: 10, the maximal law of fig. 3, unless the speaker says otherwise).
         gains: p1 in 1/m for muscles that do not follow the rule.
     """
 
-    peak_multiplier: float = 10.0
+    peak_multiplier: float | None = None
     gains: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if finite_number(self.peak_multiplier, "peak multiplier") < 1.0:
+        if self.peak_multiplier is not None and finite_number(self.peak_multiplier, "peak multiplier") < 1.0:
             raise InputError(f"peak multiplier must be at least 1, got {self.peak_multiplier!r}")
         for muscle, gain in self.gains.items():
             not_negative_number(gain, f"stiffening gain of {muscle!r}")

@@ -25,16 +25,25 @@ class SolveError(RuntimeError):
         posture: last good posture of a static solve, or None.
         movement: movement up to the failure of a dynamic solve, or None.
         report: report of the run up to the failure, or None.
+        study: what a study had finished, as its Dataset, or None.
     """
 
     def __init__(
-        self, message: str, *, status: str = "", posture: Any = None, movement: Any = None, report: Any = None
+        self,
+        message: str,
+        *,
+        status: str = "",
+        posture: Any = None,
+        movement: Any = None,
+        report: Any = None,
+        study: Any = None,
     ) -> None:
         super().__init__(message)
         self.status = status
         self.posture = posture
         self.movement = movement
         self.report = report
+        self.study = study
 
 
 class SolveInterrupted(KeyboardInterrupt):
@@ -43,9 +52,11 @@ class SolveInterrupted(KeyboardInterrupt):
     Attributes:
         posture: last good posture.
         movement: movement up to the interruption, or None.
+        study: what a study had finished, as its Dataset, or None.
     """
 
-    def __init__(self, message: str, *, posture: Any = None, movement: Any = None) -> None:
+    def __init__(self, message: str, *, posture: Any = None, movement: Any = None, study: Any = None) -> None:
         super().__init__(message)
         self.posture = posture
         self.movement = movement
+        self.study = study

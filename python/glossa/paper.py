@@ -98,6 +98,21 @@ def single_muscles() -> pd.DataFrame:
     return _frame("section3_single_muscles.csv").copy()
 
 
+def transversalis() -> pd.DataFrame:
+    """Section III.B: ``first``, ``second`` (conditions of /i/), ``quantity``, and ``sign`` of first minus second."""
+    return _frame("section3_transversalis.csv").copy()
+
+
+def dispersion() -> pd.DataFrame:
+    """Section IV.B: index ``node``, tip to root; ``major_mm``, ``minor_mm``, ``angle_deg`` (NaN: none is clear)."""
+    return _frame("section4_dispersion.csv").set_index("node")
+
+
+def gravity() -> pd.DataFrame:
+    """Sections V.A and V.B: ``control``, ``gravity``, ``quantity``, ``bound``, ``value``, ``unit``."""
+    return _frame("section5_gravity.csv").copy()
+
+
 @cache
 def constants() -> Mapping[str, Constant]:
     """Constants of equations 1 to 6 and of the materials, by name, for example ``"reflex_delay"``."""

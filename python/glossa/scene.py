@@ -6,6 +6,7 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,8 @@ class Scene:
         firing_gradient: c of eq. 3, 1/m.
         threads: of the element loops; results have the same bits for any number.
 
+    A scene can be pickled: it is built anew from its speaker and ``options``, the arguments as they were given.
+
     Raises:
         InputError: impossible options, saying which and why.
     """
@@ -89,9 +92,11 @@ class Scene:
         firing_gradient: float = FIRING_GRADIENT,
         threads: int = 1,
     ) -> None:
+        options = {name: value for name, value in locals().items() if name not in ("self", "speaker")}
         if not isinstance(speaker, Speaker):
             raise InputError(f"speaker must be a Speaker, got {type(speaker).__name__}")
         self.speaker = speaker
+        self.options: Mapping[str, Any] = MappingProxyType(options)
         self.gravity = gravity_vector(gravity)
         self.stiffening = _stiffening(stiffening, speaker)
         self.reflex = instance(reflex, Reflex, "reflex", optional=True)
@@ -183,6 +188,9 @@ class Scene:
         if self._seconds is None:
             raise InputError("nothing has been solved in this scene yet; call equilibrate or simulate first")
         return pd.Series(dict(self._seconds), name="seconds", dtype=float)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (self.speaker, dict(self.options))
 
     def __repr__(self) -> str:
         return f"Scene({self.speaker.name or 'unnamed speaker'}: {', '.join(self.effects)})"
@@ -457,6 +465,10 @@ class Scene:
         finally:
             self._seconds = simulation.report.seconds
         return movement
+
+
+def _rebuilt(speaker: Speaker, options: dict[str, Any]) -> Scene:
+    return Scene(speaker, **options)
 
 
 def _friction(value: float | None) -> float:

@@ -98,8 +98,8 @@ def test_missing_file(tmp_path: Path) -> None:
         (b"hello", "is not valid JSON|truncated"),
         (b"[1, 2]", 'its "format" is not "glossa-speaker"'),
         (b'{"format": "other"}', 'its "format" is not "glossa-speaker"'),
-        (b'{"format": "glossa-speaker", "version": 2}', "version 2; this program reads version 1"),
-        (b'{"format": "glossa-speaker", "version": 1}', "the file lacks the entry 'muscles'"),
+        (b'{"format": "glossa-speaker", "version": 1}', "version 1; this program reads version 2"),
+        (b'{"format": "glossa-speaker", "version": 2}', "the file lacks the entry 'muscles'"),
         (b"[" * 100000, "nested too deeply|truncated"),
     ],
 )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from glossa.anatomy.landmark_points import landmark_points
 from glossa.anatomy.muscle import Muscle
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.walls import Hyoid, Spring, Wall
 
-__all__ = ["Hyoid", "Muscle", "Speaker", "Spring", "Wall"]
+__all__ = ["Hyoid", "Muscle", "Speaker", "Spring", "Wall", "landmark_points"]

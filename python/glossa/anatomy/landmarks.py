@@ -7,21 +7,17 @@ resolution r asks for multiples of 1/r, so that coarse nodes are reproduced bit 
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, float_array
-from glossa.data_files import data_path
 from glossa.errors import InputError
 
 RAYS, LAYERS, COLUMNS = 16, 6, 4  # cells along i, along j, and along k on each side
 _MILLIMETRE = 1e-3
-_Built = TypeVar("_Built")
 
 
 def pchip_slopes(knots: FloatArray, values: FloatArray) -> FloatArray:
@@ -95,6 +91,7 @@ class Landmarks:
         layer_stations, layers: (p,) ray numbers and (p, 7) fractions t of the layers 0..6 there.
         tangent_length: length of the end tangents over |Q - P|.
         styloid: (3,) tip of the styloid process on the side y > 0.
+        peak_multiplier: of all muscles, see :class:`glossa.Muscle`.
     """
 
     inner: FloatArray
@@ -110,6 +107,7 @@ class Landmarks:
     layers: FloatArray
     tangent_length: float
     styloid: FloatArray
+    peak_multiplier: float
 
     def __post_init__(self) -> None:
         rays = RAYS + 1
@@ -168,34 +166,13 @@ class Landmarks:
         return sides * _MILLIMETRE
 
 
-def load_landmarks(path: Path | None = None) -> Landmarks:
-    """The landmark table of a TOML file; None takes the table of the built-in tongue.
+def tongue_landmarks(table: Mapping[str, Any]) -> Landmarks:
+    """The landmarks in a table laid out as data/landmarks/reference_tongue.toml.
 
     Raises:
-        InputError: unreadable TOML, missing entries or wrong lengths; the message names the file.
+        InputError: wrong lengths, or values that are no finite numbers.
+        KeyError, TypeError: missing or malformed entries.
     """
-    return read_table(data_path("landmarks/reference_tongue.toml") if path is None else path, _landmarks)
-
-
-def read_table(path: Path, build: Callable[[dict[str, Any]], _Built]) -> _Built:
-    """What ``build`` makes of a TOML file of landmarks in mm and degrees.
-
-    Raises:
-        InputError: unreadable TOML, other units, missing or malformed entries, or what ``build`` refuses; the message
-            names the file.
-    """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-        if table["length_unit"] != "mm" or table["angle_unit"] != "degree":
-            raise InputError("length_unit must be 'mm' and angle_unit 'degree'")
-        return build(table)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, InputError) as error:
-        raise InputError(f"{path}: {error}") from None
-    except (KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{path}: missing or malformed entry {error}") from None
-
-
-def _landmarks(table: dict[str, Any]) -> Landmarks:
     rays, lateral, spacing = table["rays"], table["lateral"], table["spacing"]
     columns = RAYS + 1
     mix = lateral["linear_mix"]
@@ -213,4 +190,5 @@ def _landmarks(table: dict[str, Any]) -> Landmarks:
         layers=float_array(spacing["layers"], "layers", LAYERS + 1),
         tangent_length=float(spacing["tangent_length"]),
         styloid=float_array(table["styloid"]["point"], "styloid point"),
+        peak_multiplier=float(table["muscles"]["peak_multiplier"]),
     )

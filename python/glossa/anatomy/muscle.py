@@ -12,7 +12,11 @@ from typing import Any
 import numpy as np
 
 from glossa.anatomy.arrays import IntArray, frozen, int_array
+from glossa.checks import finite_number
 from glossa.errors import InputError
+
+PEAK_MULTIPLIER = 10.0
+"""The maximal law of fig. 3 over the passive one: Buchaillard, Perrier & Payan 2009."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -25,18 +29,26 @@ class Muscle:
         force_capacity: rho(m) of eq. 3, N, total over left and right (Buchaillard et al. 2009, Table I).
         fibres_per_element: fibre count from which the stiffening p1 of eq. 1 is set; None takes the largest number
             of fibres found in one element.
+        peak_multiplier: stiffness of an element passed by so many saturated fibres, over that of passive tissue.
 
     Raises:
-        InputError: no element or fibre, wrong types, short fibre, or a non-positive force capacity.
+        InputError: no element or fibre, wrong types, short fibre, or a non-positive force capacity,
+            or a multiplier below 1.
     """
 
     elements: IntArray
     fibres: tuple[IntArray, ...]
     force_capacity: float
     fibres_per_element: int | None
+    peak_multiplier: float
 
     def __init__(
-        self, elements: Any, fibres: Iterable[Any], force_capacity: float, fibres_per_element: int | None = None
+        self,
+        elements: Any,
+        fibres: Iterable[Any],
+        force_capacity: float,
+        fibres_per_element: int | None = None,
+        peak_multiplier: float = PEAK_MULTIPLIER,
     ) -> None:
         elements = int_array(elements, "muscle elements")
         if len(elements) == 0:
@@ -51,6 +63,7 @@ class Muscle:
         object.__setattr__(self, "fibres", node_lists)
         object.__setattr__(self, "force_capacity", _positive_force(force_capacity))
         object.__setattr__(self, "fibres_per_element", _positive_count(fibres_per_element))
+        object.__setattr__(self, "peak_multiplier", _multiplier(peak_multiplier))
 
     @cached_property
     def segments(self) -> IntArray:
@@ -63,7 +76,7 @@ class Muscle:
         return pieces
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Muscle, (self.elements, self.fibres, self.force_capacity, self.fibres_per_element)
+        return Muscle, (self.elements, self.fibres, self.force_capacity, self.fibres_per_element, self.peak_multiplier)
 
     def __repr__(self) -> str:
         return f"Muscle({len(self.elements)} elements, {len(self.fibres)} fibres, {self.force_capacity:g} N)"
@@ -77,6 +90,13 @@ def _positive_force(value: Any) -> float:
     if not math.isfinite(force) or force <= 0.0:
         raise InputError(f"force_capacity must be a positive finite number of newtons, got {force!r}")
     return force
+
+
+def _multiplier(value: Any) -> float:
+    multiplier = finite_number(value, "peak_multiplier")
+    if multiplier < 1.0:
+        raise InputError(f"peak_multiplier must be at least 1, got {multiplier!r}")
+    return multiplier
 
 
 def _positive_count(value: Any) -> int | None:

@@ -121,7 +121,7 @@ def largest_fibre_count(hexahedra: IntArray, muscle: Muscle) -> int:
 
 
 def stiffening_gain(
-    hexahedra: IntArray, muscle: Muscle, saturation_activation: float, peak_multiplier: float = 10.0
+    hexahedra: IntArray, muscle: Muscle, saturation_activation: float, peak_multiplier: float | None = None
 ) -> float:
     """p1(m) of eq. 1, 1/m: an element passed by n saturated fibres gets ``peak_multiplier`` times its passive c_i0.
 
@@ -132,11 +132,12 @@ def stiffening_gain(
         hexahedra: (m, 8) of the speaker.
         muscle: the muscle.
         saturation_activation: activation A at which eq. 3 saturates, m (ln 2 / c).
-        peak_multiplier: stiffness at saturation over passive stiffness (10: the maximum law of the paper's fig. 3).
+        peak_multiplier: stiffness at saturation over passive stiffness; None: the muscle's own.
     """
     if not saturation_activation > 0.0:
         raise InputError(f"saturation_activation must be positive, got {saturation_activation!r}")
-    if not peak_multiplier >= 1.0:
-        raise InputError(f"peak_multiplier must be at least 1, got {peak_multiplier!r}")
+    peak = muscle.peak_multiplier if peak_multiplier is None else peak_multiplier
+    if not peak >= 1.0:
+        raise InputError(f"peak_multiplier must be at least 1, got {peak!r}")
     count = muscle.fibres_per_element or max(1, largest_fibre_count(hexahedra, muscle))
-    return (peak_multiplier - 1.0) / (count * saturation_activation)
+    return (peak - 1.0) / (count * saturation_activation)

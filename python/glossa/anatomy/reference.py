@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from glossa.anatomy.arrays import IntArray
-from glossa.anatomy.landmarks import Landmarks, load_landmarks
+from glossa.anatomy.generated_checks import check_mesh, check_rest
 from glossa.anatomy.paper_table import force_capacities
 from glossa.anatomy.reference_block import Block
 from glossa.anatomy.reference_contact import reference_contact_faces
@@ -13,7 +13,7 @@ from glossa.anatomy.reference_hyoid import reference_hyoid
 from glossa.anatomy.reference_muscles import mylohyoid_line, reference_muscles
 from glossa.anatomy.reference_walls import reference_walls
 from glossa.anatomy.speaker import Speaker
-from glossa.anatomy.wall_landmarks import WallLandmarks, load_wall_landmarks
+from glossa.anatomy.speaker_landmarks import SpeakerLandmarks, load_landmarks
 
 #: single midsagittal points by name: ray i, layer j
 _POINTS = {
@@ -28,9 +28,7 @@ _POINTS = {
 }
 
 
-def reference_speaker(
-    resolution: int = 1, landmarks: Landmarks | None = None, wall_landmarks: WallLandmarks | None = None
-) -> Speaker:
+def reference_speaker(resolution: int = 1, landmarks: SpeakerLandmarks | None = None) -> Speaker:
     """The built-in anatomy of a typical adult male.
 
     One block of 16 x 6 x 8 cells whose inner edge is the symphysis, each cell divided into r x r x r; exactly nested
@@ -40,29 +38,32 @@ def reference_speaker(
 
     Args:
         resolution: r >= 1.
-        landmarks: another landmark table of the tongue, of the same layout; None takes the built-in one.
-        wall_landmarks: likewise for walls and hyoid.
+        landmarks: of tongue, walls and hyoid; None takes the built-in ones.
 
     Raises:
-        InputError: resolution not a whole number of at least 1.
+        InputError: resolution not a whole number of at least 1, or landmarks that give no sound speaker: elements too
+            distorted, a tongue that overlaps walls, a closed airway, or folded walls.
     """
     block = Block(resolution)
     landmarks = load_landmarks() if landmarks is None else landmarks
-    wall_landmarks = load_wall_landmarks() if wall_landmarks is None else wall_landmarks
     hexahedra = block.hexahedra()
-    nodes = np.concatenate([block.nodes(landmarks), landmarks.styloid_points])
+    nodes = np.concatenate([block.nodes(landmarks.tongue), landmarks.tongue.styloid_points])
+    check_mesh(block, nodes, hexahedra, landmarks)
     node_sets = _node_sets(block)
-    return Speaker(
+    speaker = Speaker(
         nodes,
         hexahedra,
-        muscles=reference_muscles(block, hexahedra, force_capacities()),
+        muscles=reference_muscles(block, hexahedra, force_capacities(), landmarks.tongue.peak_multiplier),
         node_sets=node_sets,
-        walls=reference_walls(wall_landmarks),
-        hyoid=reference_hyoid(wall_landmarks),
+        walls=reference_walls(landmarks.walls),
+        hyoid=reference_hyoid(landmarks.walls),
         contours=_contours(block),
-        name=f"reference, resolution {block.resolution}",
+        name=f"{landmarks.name}, resolution {block.resolution}",
         contact_faces=reference_contact_faces(block, node_sets),
     )
+    if landmarks.changes:
+        check_rest(speaker, landmarks)
+    return speaker
 
 
 def _node_sets(b: Block) -> dict[str, IntArray]:

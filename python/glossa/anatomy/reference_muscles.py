@@ -106,11 +106,11 @@ def _superior_longitudinal(b: Block) -> Iterator[Corners]:
 
 
 def _geniohyoid(b: Block) -> Iterator[Corners]:
-    """From the lower end of the symphysis (rays 15..16) into ray 16 and along it towards the hyoid."""
+    """A wedge from the lower end of the symphysis, rays 15..16, to layer 5 of ray 16 at the hyoid."""
     r = b.resolution
     for i in b.span(15, 16):
         for k in b.span(0, 1):
-            yield [(i, 0, k), (16 * r, 16 * r - i, k), (16 * r, 5 * r, k)]
+            yield [(i + ((16 * r - i) * 2 * j + 5 * r) // (10 * r), j, k) for j in range(5 * r + 1)]
 
 
 def _mylohyoid(b: Block) -> Iterator[Corners]:
@@ -150,14 +150,19 @@ def mylohyoid_line(b: Block) -> IntArray:
     )
 
 
-def reference_muscles(b: Block, hexahedra: IntArray, capacities: dict[str, float]) -> dict[str, Muscle]:
-    """The eleven muscles; ``capacities`` rho(m) in N. Styloid points are nodes n (y < 0) and n + 1 (y > 0)."""
+def reference_muscles(
+    b: Block, hexahedra: IntArray, capacities: dict[str, float], peak_multiplier: float
+) -> dict[str, Muscle]:
+    """The eleven muscles; ``capacities`` rho(m) in N, ``peak_multiplier`` of every one.
+
+    Styloid points are nodes n (y < 0) and n + 1 (y > 0).
+    """
     styloid = (b.n_nodes, b.n_nodes + 1)
     muscles = {}
     for name, families in FAMILIES.items():
         fibres = [fibre for family in families for fibre in _both_sides(b, family, styloid if name == "Sty" else None)]
         elements = _bundle(hexahedra, fibres, b.n_nodes + 2, sheet=name == "MH")
-        muscles[name] = Muscle(elements, fibres, capacities[name], FIBRES_PER_ELEMENT)
+        muscles[name] = Muscle(elements, fibres, capacities[name], FIBRES_PER_ELEMENT, peak_multiplier)
     return muscles
 
 

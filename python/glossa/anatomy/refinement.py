@@ -32,6 +32,7 @@ def refined_speaker(speaker: Speaker) -> Speaker:
             refined_fibres(mesh, muscle),
             muscle.force_capacity,
             muscle.fibres_per_element or max(1, largest_fibre_count(speaker.hexahedra, muscle)),
+            muscle.peak_multiplier,
         )
         for name, muscle in speaker.muscles.items()
     }

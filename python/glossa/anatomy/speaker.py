@@ -21,6 +21,7 @@ from glossa.anatomy.walls import Hyoid, Wall
 from glossa.errors import InputError
 
 if TYPE_CHECKING:
+    from glossa.anatomy.quality import Quality
     from glossa.anatomy.smooth_surface import SmoothSurface
 
 _MIDPLANE_TOLERANCE = 1e-9  # m; rounding of mirror-symmetric files is far below
@@ -107,11 +108,22 @@ class Speaker:
     # Constructors and files
 
     @classmethod
-    def reference(cls, resolution: int = 1) -> Speaker:
-        """The built-in anatomy; ``resolution`` r divides every cell of level 1 into r x r x r."""
-        from glossa.anatomy.reference import reference_speaker
+    def reference(cls, resolution: int = 1, landmarks: str | Path | Mapping[str, Any] | None = None) -> Speaker:
+        """The built-in anatomy, or one with own landmarks.
 
-        return reference_speaker(resolution)
+        Args:
+            resolution: r divides every cell of level 1 into r x r x r.
+            landmarks: path of a TOML file, or a mapping with its content: what is to differ from the built-in landmarks
+                (see :func:`glossa.anatomy.speaker_landmarks.load_landmarks`), for example
+                ``{"shape": {"vault_height": 4}}``.
+
+        Raises:
+            InputError: malformed landmarks, or such as give no sound speaker.
+        """
+        from glossa.anatomy.reference import reference_speaker
+        from glossa.anatomy.speaker_landmarks import load_landmarks
+
+        return reference_speaker(resolution, load_landmarks(landmarks))
 
     @classmethod
     def load(cls, path: str | Path) -> Speaker:
@@ -148,6 +160,38 @@ class Speaker:
 
         return refined_speaker(self)
 
+    def adapted_to(self, landmarks: Mapping[str, Any], *, points: Any = None, name: str | None = None) -> Speaker:
+        """This speaker warped smoothly so that its landmarks lie where they were measured on a subject.
+
+        Nodes, walls, hyoid and springs move together; numbering, muscles, sets and faces stay. The hyoid's mass follows
+        its volume, its springs are as slack as before. What is measured nowhere follows what is: with few points the
+        speaker is scaled and turned, or only shifted (see :mod:`glossa.anatomy.warp`); without lateral targets widths
+        follow the size of the profile.
+
+        Targets of one side only are mirrored, so that the result is as mirror symmetric as this speaker; targets of
+        both sides that differ make it asymmetric.
+
+        Args:
+            landmarks: name -> measured x, y, z in m, or x, z in the midsagittal plane. Names, and where they are on
+                this speaker, from :func:`glossa.anatomy.landmark_points`. Same axes as the speaker, any origin.
+            points: other pairs: places on this speaker (n, 3) and in the subject (n, 3), m.
+            name: of the result; None takes "<name>, adapted".
+
+        Raises:
+            InputError: malformed targets, units or frames that cannot be right, targets that fold the speaker over,
+                distort an element to a scaled Jacobian below 0.1 or push the tongue 2 mm into a wall; the message names
+                the nearest landmark. Lesser faults are logged as warnings.
+
+        Example:
+            >>> speaker = Speaker.reference()
+            >>> own = landmark_points(speaker)
+            >>> longer = {key: own[key] - [0, 0, 0.008] for key in ("glottis", "hyoid", "vallecula")}
+            >>> subject = speaker.adapted_to(own | longer | {"vault": (0.090, 0.123)}, name="S1")
+        """
+        from glossa.anatomy.adaptation import adapted_speaker
+
+        return adapted_speaker(self, landmarks, points, name)
+
     # Geometry
 
     @cached_property
@@ -164,6 +208,12 @@ class Speaker:
     def scaled_jacobians(self) -> FloatArray:
         """(m,) smallest corner determinant of the unit edge vectors; 1 for a cuboid."""
         return frozen(hexa.scaled_jacobians(self.nodes, self.hexahedra))
+
+    def quality(self) -> Quality:
+        """Shape and size of the elements, and how far walls are from the tongue at rest."""
+        from glossa.anatomy.quality import quality_of
+
+        return quality_of(self)
 
     @cached_property
     def surface_quads(self) -> IntArray:
@@ -251,7 +301,8 @@ def _content(speaker: Speaker) -> list[Any]:
     items: list[Any] = [speaker.name, speaker.nodes, speaker.hexahedra]
     for name in sorted(speaker.muscles):
         muscle = speaker.muscles[name]
-        items += ["muscle", name, muscle.force_capacity, muscle.fibres_per_element, muscle.elements, *muscle.fibres]
+        items += ["muscle", name, muscle.force_capacity, muscle.fibres_per_element, muscle.peak_multiplier]
+        items += [muscle.elements, *muscle.fibres]
     for title, mapping in (("set", speaker.node_sets), ("contour", speaker.contours)):
         for name in sorted(mapping):
             items += [title, name, mapping[name]]

@@ -2,11 +2,12 @@
 
 ::
 
-    {"format": "glossa-speaker", "version": 1, "name": "...",
+    {"format": "glossa-speaker", "version": 2, "name": "...",
      "nodes": [[x, y, z], ...],                                   metres
      "hexahedra": [[8 node indices, VTK order], ...],
      "muscles": {name: {"elements": [...], "fibres": [[nodes], ...],
-                        "force_capacity": N, "fibres_per_element": count or null}},
+                        "force_capacity": N, "fibres_per_element": count or null,
+                        "peak_multiplier": number}},
      "node_sets": {name: [nodes]}, "contours": {name: [nodes in order]},
      "walls": {name: {"vertices": [[x, y, z], ...], "faces": [[3 or 4 vertices], ...]}},
      "contact_faces": {wall: [[4 nodes of a boundary face], ...]},   may be absent: no wall has faces of its own
@@ -31,7 +32,7 @@ from glossa.anatomy.walls import Hyoid, Spring, Wall
 from glossa.errors import InputError, SpeakerFileError
 
 FORMAT = "glossa-speaker"
-VERSION = 1
+VERSION = 2
 
 
 def save_speaker(speaker: Speaker, path: Path) -> None:
@@ -100,6 +101,7 @@ def _document(speaker: Speaker) -> dict[str, Any]:
                 "fibres": [fibre.tolist() for fibre in muscle.fibres],
                 "force_capacity": muscle.force_capacity,
                 "fibres_per_element": muscle.fibres_per_element,
+                "peak_multiplier": muscle.peak_multiplier,
             }
             for name, muscle in speaker.muscles.items()
         },
@@ -171,9 +173,8 @@ class _Reader:
         return value
 
     def _muscle(self, entry: Any, where: str) -> Muscle:
-        values = [
-            self._entry(entry, key, where) for key in ("elements", "fibres", "force_capacity", "fibres_per_element")
-        ]
+        keys = ("elements", "fibres", "force_capacity", "fibres_per_element", "peak_multiplier")
+        values = [self._entry(entry, key, where) for key in keys]
         if not isinstance(values[1], list):
             raise SpeakerFileError(f"{self.path}: {where}: 'fibres' must be a list of node lists")
         try:

@@ -33,7 +33,7 @@ DEEPEST_OVERLAP = 2e-3
 TOUCHING = 1e-5
 """Points nearer to a wall than this are on neither side of it, m."""
 
-_INTERIOR, _RIM, _INCONSISTENT = 0, 1, 2  # kinds of _core.nearest_features
+INTERIOR, _RIM, _INCONSISTENT = 0, 1, 2  # kinds of _core.nearest_features
 
 
 def check_wall(name: str, wall: Wall) -> None:
@@ -82,7 +82,7 @@ def check_facing(name: str, wall: Wall, points: FloatArray, directions: FloatArr
     looked_at = near | (distances < -DEEPEST_OVERLAP)
     _check_orientation(name, wall, nearest[looked_at], kinds[looked_at] == _INCONSISTENT)
     _check_holes(name, wall, np.unique(loops[near & (kinds == _RIM)]))
-    sided = kinds == _INTERIOR
+    sided = kinds == INTERIOR
     if sided.any():
         against = None if directions is None else _against(wall, nearest[sided], np.asarray(directions)[sided])
         _check_side(name, points[sided], distances[sided], against)

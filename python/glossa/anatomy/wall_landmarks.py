@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, float_array, frozen
-from glossa.anatomy.landmarks import read_table
 from glossa.checks import positive_number
-from glossa.data_files import data_path
 from glossa.errors import InputError
 
 _COLUMNS = {
@@ -20,11 +17,9 @@ _COLUMNS = {
     "larynx_front": ("z", "x", "exponent"),
     "mandible": ("z", "rise", "x", "step", "half_width", "y90", "y108"),
     "hyoid": ("x", "y", "z", "level_radius", "upright_radius"),
-    "midline": ("x", "z"),
 }
 _POSITIVE = {"half_width", "depth", "exponent", "end", "step", "y90", "y108", "level_radius", "upright_radius"}
 _FEWEST_ROWS = 4  # a cubic spline needs as many
-_MILLIMETRE = 1e-3
 
 Table = Mapping[str, FloatArray]
 
@@ -42,7 +37,6 @@ class WallLandmarks:
         hyoid: column -> (n,) of the bone, from the midline to the tip of the horn.
         density, spring_stiffness: kg/m3, N/m.
         springs: name -> (2, 3) point on the bone, fixed point, side y > 0.
-        midline: column -> (n,) of the middle of the airway, glottis to lips.
     """
 
     outer: Table
@@ -55,30 +49,16 @@ class WallLandmarks:
     density: float
     spring_stiffness: float
     springs: Mapping[str, FloatArray]
-    midline: Table
-
-    @property
-    def midline_points(self) -> FloatArray:
-        """(n, 2) x and z, m, of the middle of the airway at rest, glottis to lips."""
-        return frozen(np.stack([self.midline["x"], self.midline["z"]], axis=1) * _MILLIMETRE)
 
 
-def midline_points() -> FloatArray:
-    """(n, 2) x and z, m, of the middle of the built-in speaker's airway at rest, glottis to lips."""
-    return load_wall_landmarks().midline_points
-
-
-def load_wall_landmarks(path: Path | None = None) -> WallLandmarks:
-    """The wall landmarks of a TOML file; None takes those of the built-in speaker.
+def wall_landmarks(table: Mapping[str, Any]) -> WallLandmarks:
+    """The landmarks in a table laid out as data/landmarks/reference_walls.toml.
 
     Raises:
-        InputError: unreadable TOML, missing entries, wrong lengths, values that are not finite or, where they must be,
-            not positive; the message names file, table and row.
+        InputError: wrong lengths, values that are not finite or, where they must be, not positive; the message names
+            table and row.
+        KeyError, TypeError, AttributeError: missing or malformed entries.
     """
-    return read_table(data_path("landmarks/reference_walls.toml") if path is None else path, _landmarks)
-
-
-def _landmarks(table: dict[str, Any]) -> WallLandmarks:
     tables = {name: _table(name, table[name]) for name in _COLUMNS}
     bone, jaw = table["hyoid"], table["mandible"]
     end = positive_number(jaw["end"], "mandible end")

@@ -9,11 +9,23 @@ from collections.abc import Sequence
 
 import typer
 
+from glossa.cli import output
 from glossa.cli.commands import app
 from glossa.cli.options import with_picture_names
 
 _USAGE_FAULT: type[Exception] = typer.BadParameter.__mro__[1]
 """What typer raises for wrong options; its own module differs between versions of typer."""
+
+
+class _Warnings(logging.Handler):
+    """Warnings about the anatomy, one line each on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one."""
+        output.say(f"warning: {record.getMessage()}")
+
+
+_WARNINGS = _Warnings(logging.WARNING)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,6 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # ə where there is no UTF-8; JSON stays valid
     logging.getLogger("glossa").addHandler(logging.NullHandler())
+    logging.getLogger("glossa.anatomy").addHandler(_WARNINGS)
     given = with_picture_names(sys.argv[1:] if arguments is None else arguments)
     try:
         outcome = app(given, prog_name="glossa", standalone_mode=False)

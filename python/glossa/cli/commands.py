@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -12,6 +12,8 @@ import glossa
 from glossa import paper
 from glossa.acoustics import AreaFunction, synthesize
 from glossa.cli import output
+from glossa.cli.anatomy_commands import muscles_command, speaker_command
+from glossa.cli.calibration_commands import calibrate_command, resolution_command
 from glossa.cli.files import check_outputs, need, need_tracts, write, write_posture, write_tracts
 from glossa.cli.options import (
     PICTURES,
@@ -22,6 +24,7 @@ from glossa.cli.options import (
     GravityOption,
     HyoidOption,
     JsonOption,
+    LandmarksOption,
     MirrorOption,
     Plot3dOption,
     PlotContactOption,
@@ -38,6 +41,9 @@ from glossa.cli.options import (
     make_speaker,
     vowel_name,
 )
+from glossa.cli.paper_commands import delay_command, gravity_command, sensitivity_command, transversalis_command
+from glossa.cli.replicate_command import replicate_command
+from glossa.cli.study_commands import sweep_command
 from glossa.errors import InputError
 from glossa.motor import VOWELS, Ramp
 from glossa.results import Posture
@@ -53,9 +59,6 @@ from glossa.studies import (
     vowel_tracts,
     vowels,
 )
-
-if TYPE_CHECKING:
-    pass
 
 SOUND_FRAME = 0.010
 """Between the area functions from which the sound of a movement is made, s."""
@@ -96,6 +99,7 @@ def glossa_command(
 def vowels_command(
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     gravity: GravityOption = "upright",
     contact: ContactOption = None,
     friction: FrictionOption = 0.1,
@@ -111,7 +115,7 @@ def vowels_command(
 ) -> None:
     """The equilibria of /i/, /ə/, /u/ and /a/ (Table III): forces and formants beside the paper's, shapes, contact."""
     check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     postures = vowels(scene)
     table = posture_table(postures)
@@ -143,6 +147,7 @@ def vowel_command(
     vowel: VowelArgument,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     gravity: GravityOption = "upright",
     contact: ContactOption = None,
     friction: FrictionOption = 0.1,
@@ -162,7 +167,7 @@ def vowel_command(
     name = vowel_name(vowel)
     check_outputs(plot, plot_3d, plot_contact, plot_tract, plot_formants, vtk=vtk)
     check_output(wav, (".wav",))
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = vowels(scene, [name])[name]
     tracts, reasons = vowel_tracts({name: posture})
@@ -186,6 +191,7 @@ def movement_command(
     accuracy: AccuracyOption = "standard",
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     gravity: GravityOption = "upright",
     contact: ContactOption = None,
     friction: FrictionOption = 0.1,
@@ -202,7 +208,7 @@ def movement_command(
     check_output(wav, (".wav",))
     check_output(save, (".nc",))
     schedule = Ramp(VOWELS[name], duration=ramp)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     movement = scene.simulate(schedule, until, accuracy=accuracy)
     if as_json:
         output.print_json(output.movement_json(movement, name))
@@ -238,6 +244,7 @@ def muscle_command(
     ] = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     gravity: GravityOption = "upright",
     contact: ContactOption = None,
     friction: FrictionOption = 0.1,
@@ -252,7 +259,7 @@ def muscle_command(
 ) -> None:
     """What one muscle does alone (section III.A.1, fig. 5): every other muscle is silent."""
     check_outputs(plot, plot_3d, plot_contact, vtk=vtk)
-    scene = make_scene(make_speaker(speaker, resolution), gravity, mirror, contact, friction, hyoid)
+    scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     _check_contact(scene, epg, plot_contact)
     posture = single_muscle(scene, muscle, command)
     fraction = single_muscle_command(muscle) if command is None else command
@@ -260,48 +267,37 @@ def muscle_command(
     write_posture(muscle, posture, plot, plot_3d, plot_contact, vtk)
 
 
-@app.command("muscles", epilog="Examples: glossa muscles | glossa muscles --plot muscles.png")
-@output.guarded
-def muscles_command(
-    speaker: SpeakerOption = "reference",
-    resolution: ResolutionOption = 1,
-    plot: PlotOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """The muscles of a speaker; --plot draws elements, fibres and insertions as fig. 1."""
-    check_output(plot, PICTURES)
-    body = make_speaker(speaker, resolution)
-    if as_json:
-        output.print_json({"speaker": body.name, "muscles": output.muscles_json(body)})
-    else:
-        output.print_muscles(body)
-    if plot is not None:
-        from glossa.figures import muscles
-
-        write(muscles(body), plot)
-
-
-@app.command(
-    "speaker", epilog="Examples: glossa speaker | glossa speaker -r 2 --save fine.json | glossa speaker -s pb --json"
+app.command("muscles", epilog="Examples: glossa muscles | glossa muscles --plot muscles.png")(muscles_command)
+app.command(
+    "speaker", epilog="Examples: glossa speaker -r 2 --save fine.json | glossa speaker --landmarks my.toml --plot"
+)(speaker_command)
+app.command("calibrate", epilog="Examples: glossa calibrate --show | glossa calibrate --save shape.toml")(
+    calibrate_command
 )
-@output.guarded
-def speaker_command(
-    speaker: SpeakerOption = "reference",
-    resolution: ResolutionOption = 1,
-    summary: Annotated[bool, typer.Option("--summary", help="Print the summary, also with --save.")] = False,
-    save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write the speaker to one file.")] = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Summary of a speaker, or a copy of it in glossa's own file format."""
-    check_output(save)
-    body = make_speaker(speaker, resolution)
-    if as_json:
-        output.print_json(output.speaker_json(body))
-    elif summary or save is None:
-        typer.echo(body.summary())
-    if save is not None:
-        body.save(save)
-        output.wrote(save)
+app.command("resolution", epilog="Examples: glossa resolution | glossa resolution -r 1,2,4 --json")(resolution_command)
+app.command(
+    "sweep",
+    epilog="Examples: glossa sweep -a command.GGp=0.55:0.65:5 -a gravity=upright,supine | glossa sweep -b u "
+    "-a change.Sty=-10:10 -a tissue.c10=normal:1037:100 --random 1000 --seed 1 --store u.study -w 2 --save u.nc",
+)(sweep_command)
+
+
+app.command(
+    "sensitivity", epilog="Examples: glossa sensitivity i --plot fig11.png | glossa sensitivity u --changes=-5,5 --json"
+)(sensitivity_command)
+app.command("gravity", epilog="Examples: glossa gravity --plot fig12.png | glossa gravity --until 0.3 --json")(
+    gravity_command
+)
+app.command("transversalis", epilog="Examples: glossa transversalis | glossa transversalis --plot trans.png")(
+    transversalis_command
+)
+app.command("delay", epilog="Examples: glossa delay i --plot delay.png | glossa delay u --delays 5,17 --json")(
+    delay_command
+)
+app.command(
+    "replicate",
+    epilog="Examples: glossa replicate --html paper.html | glossa replicate -s pb_folder -w 2 --store pb.study --json",
+)(replicate_command)
 
 
 @app.command("costs", epilog="Examples: glossa costs | glossa costs u --repetitions 5 --json")
@@ -315,12 +311,13 @@ def costs_command(
     ] = 3,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     mirror: Annotated[bool, typer.Option("--mirror/--no-mirror", help="Compute one half only.")] = True,
     as_json: JsonOption = False,
 ) -> None:
     """What contact, friction, a mobile hyoid and gravity cost in a movement, and what leaving each out changes."""
     name = vowel_name(vowel)
-    body = make_speaker(speaker, resolution)
+    body = make_speaker(speaker, resolution, landmarks)
     costs = effect_costs(body, name, until, dt=step, mirror=mirror, repetitions=repetitions)
     if as_json:
         output.print_json(output.costs_json(costs))
@@ -334,6 +331,7 @@ def view_command(
     vowel: Annotated[str | None, typer.Argument(metavar="VOWEL", help="i, a, u, ə (or @); left out: rest.")] = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
+    landmarks: LandmarksOption = None,
     gravity: GravityOption = "upright",
     contact: ContactOption = None,
     friction: FrictionOption = 0.1,
@@ -347,7 +345,7 @@ def view_command(
     name = None if vowel is None else vowel_name(vowel)
     check_output(screenshot, (".png",))
     need("pyvista", "the 3D view", "glossa[view]")
-    body = make_speaker(speaker, resolution)
+    body = make_speaker(speaker, resolution, landmarks)
     if name is None:
         posture = rest_posture(body)
     else:

@@ -30,6 +30,14 @@ ResolutionOption = Annotated[
     int,
     typer.Option("--resolution", "-r", metavar="R", help="Of the built-in speaker: every cell in R³."),
 ]
+LandmarksOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--landmarks",
+        metavar="FILE",
+        help="Of the built-in speaker: a TOML file with what is to differ; glossa speaker --shape lists parameters.",
+    ),
+]
 GravityOption = Annotated[
     str, typer.Option("--gravity", "-g", metavar="upright|supine|none", help="Direction of gravity.")
 ]
@@ -96,14 +104,17 @@ AccuracyOption = Annotated[
 VowelArgument = Annotated[str, typer.Argument(metavar="VOWEL", help="i, a, u, or ə (@ on plain keyboards).")]
 
 
-def make_speaker(name: str, resolution: int = 1) -> Speaker:
-    """The speaker that ``--speaker`` and ``--resolution`` ask for.
+def make_speaker(name: str, resolution: int = 1, landmarks: Path | None = None) -> Speaker:
+    """The speaker that ``--speaker``, ``--resolution`` and ``--landmarks`` ask for.
 
     Raises:
-        InputError, FileNotFoundError: no such speaker, or a resolution that does not suit it.
+        InputError, FileNotFoundError: no such speaker, a resolution or landmarks that do not suit it, or landmarks that
+            give no sound speaker.
     """
     if name == "reference":
-        return Speaker.reference(resolution)
+        return Speaker.reference(resolution, landmarks)
+    if landmarks is not None:
+        raise InputError("--landmarks changes the built-in speaker only; leave it out with --speaker FILE or FOLDER")
     if resolution != 1:
         raise InputError("--resolution divides the built-in speaker only; leave it out with --speaker FILE or FOLDER")
     path = Path(name)

@@ -17,7 +17,6 @@ from rich.console import Console
 from rich.table import Table
 
 from glossa import paper
-from glossa.anatomy.speaker import Speaker
 from glossa.errors import InputError, SolveError
 from glossa.palatogram import palatogram
 from glossa.results import Movement, Posture
@@ -83,15 +82,15 @@ def posture_json(
     forces = zip(table["muscle"].values.tolist(), row["forces"].values.tolist(), strict=True)
     return {
         "converged": bool(row["converged"]),
-        "forces_N": {muscle: _number(force) for muscle, force in forces},
+        "forces_N": {muscle: number(force) for muscle, force in forces},
         "formants_Hz": None if formants is None or name not in formants["tract"] else _formants_json(formants, name),
-        "tip_displacement_mm": [_number(x) for x in row["displacement"].sel(point="tip").values.tolist()],
-        "dorsum_displacement_mm": [_number(x) for x in row["displacement"].sel(point="dorsum").values.tolist()],
+        "tip_displacement_mm": [number(x) for x in row["displacement"].sel(point="tip").values.tolist()],
+        "dorsum_displacement_mm": [number(x) for x in row["displacement"].sel(point="dorsum").values.tolist()],
         "contact": None if posture.contact is None else _contact_json(around),
         "hyoid_displacement_mm": None if posture.hyoid is None else _hyoid_json(around),
         **({"palatogram": _palatogram_json(posture)} if epg else {}),
         "iterations": int(row["iterations"]),
-        "seconds": _number(float(row["seconds"]), 6),
+        "seconds": number(float(row["seconds"]), 6),
     }
 
 
@@ -118,7 +117,7 @@ def _formants_json(formants: xr.Dataset, name: str) -> Any:
 def _palatogram_json(posture: Posture) -> dict[str, Any]:
     gram = palatogram(posture)
     signs = np.ma.MaskedArray(np.where(gram.rows.data, "1", "0"), mask=gram.rows.mask)
-    return {"percent": _number(gram.percent, 3), "rows": ["".join(row) for row in signs.filled(" ").tolist()]}
+    return {"percent": number(gram.percent, 3), "rows": ["".join(row) for row in signs.filled(" ").tolist()]}
 
 
 def movement_json(movement: Movement, name: str) -> dict[str, Any]:
@@ -140,41 +139,8 @@ def movement_json(movement: Movement, name: str) -> dict[str, Any]:
         "contact": None if movement.contact is None else _contact_json(around),
         "hyoid_displacement_mm": None if movement.hyoid is None else _hyoid_json(around),
         "steps": movement.report.steps,
-        "seconds": _number(movement.report.seconds["total"], 6),
+        "seconds": number(movement.report.seconds["total"], 6),
     }
-
-
-def speaker_json(speaker: Speaker) -> dict[str, Any]:
-    """Counts, volume and muscles."""
-    return {
-        "speaker": speaker.name,
-        "nodes": len(speaker.nodes),
-        "hexahedra": len(speaker.hexahedra),
-        "volume_cm3": _number(speaker.volume * 1e6, 6),
-        "least_scaled_jacobian": _number(float(speaker.scaled_jacobians.min()), 6),
-        "muscles": muscles_json(speaker),
-        "node_sets": {name: len(nodes) for name, nodes in speaker.node_sets.items()},
-        "contours": {name: len(nodes) for name, nodes in speaker.contours.items()},
-        "walls": list(speaker.walls),
-        "contact_faces": {name: len(faces) for name, faces in speaker.contact_faces.items()},
-        "hyoid": speaker.hyoid is not None,
-        "fingerprint": speaker.fingerprint,
-    }
-
-
-def muscles_json(speaker: Speaker) -> dict[str, Any]:
-    """Size and force capacity of every muscle."""
-    result: dict[str, Any] = {}
-    for name, muscle in speaker.muscles.items():
-        lengths = speaker.fibre_rest_lengths(name) * 1e3
-        result[name] = {
-            "fibres": len(muscle.fibres),
-            "fibre_length_mm": [_number(float(x), 6) for x in (lengths.min(), lengths.mean(), lengths.max())],
-            "elements": len(muscle.elements),
-            "volume_cm3": _number(float(speaker.element_volumes[muscle.elements].sum() * 1e6), 6),
-            "force_capacity_N": muscle.force_capacity,
-        }
-    return result
 
 
 def costs_json(costs: xr.Dataset) -> dict[str, Any]:
@@ -183,13 +149,13 @@ def costs_json(costs: xr.Dataset) -> dict[str, Any]:
     for scene in costs["scene"].values.tolist():
         row = costs.sel(scene=scene)
         scenes[scene] = {
-            "seconds": _number(float(row["seconds"]), 6),
-            "contact_seconds": _number(float(row["contact_seconds"]), 6),
+            "seconds": number(float(row["seconds"]), 6),
+            "contact_seconds": number(float(row["contact_seconds"]), 6),
             **{name: int(row[name]) for name in ("factorisations", "residuals", "stages")},
         }
     changes = {
         effect: {
-            name: _number(float(costs[name].sel(effect=effect)), 6) for name in ("tip_change_largest", "tip_change_end")
+            name: number(float(costs[name].sel(effect=effect)), 6) for name in ("tip_change_largest", "tip_change_end")
         }
         for effect in costs["effect"].values.tolist()
     }
@@ -197,13 +163,14 @@ def costs_json(costs: xr.Dataset) -> dict[str, Any]:
     return {**facts, "mirror": bool(costs.attrs["mirror"]), "scenes": scenes, "left_out_mm": changes}
 
 
-def _number(value: float, digits: int = 9) -> float | None:
+def number(value: float, digits: int = 9) -> float | None:
+    """A number for JSON, rounded; None where not finite."""
     return round(value, digits) + 0.0 if math.isfinite(value) else None
 
 
 def _numbers(values: Any, digits: int = 6) -> Any:
     """Numbers in nested lists, rounded; None where not finite."""
-    return [_numbers(value, digits) for value in values] if isinstance(values, list) else _number(values, digits)
+    return [_numbers(value, digits) for value in values] if isinstance(values, list) else number(values, digits)
 
 
 # Tables
@@ -373,19 +340,6 @@ def print_costs(costs: xr.Dataset) -> None:
         row = costs.sel(effect=effect)
         without.add_row(effect, f"{float(row['tip_change_largest']):.2f}", f"{float(row['tip_change_end']):.2f}")
     console.print(without)
-
-
-def print_muscles(speaker: Speaker) -> None:
-    """A row for each muscle."""
-    shown = Table(title=f"{speaker.name}: muscles", title_justify="left", title_style="bold")
-    headings = ("", "fibres", "rest lengths, mm", "elements", "volume, cm³", "capacity, N")
-    for heading in headings:
-        shown.add_column(heading, justify="right" if heading else "left")
-    for name, muscle in muscles_json(speaker).items():
-        low, _, high = muscle["fibre_length_mm"]
-        cells = (muscle["fibres"], f"{low:.1f} – {high:.1f}", muscle["elements"], f"{muscle['volume_cm3']:.1f}")
-        shown.add_row(name, *map(str, cells), f"{muscle['force_capacity_N']:g}")
-    Console().print(shown)
 
 
 def _slashed(name: str) -> str:

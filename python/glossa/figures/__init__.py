@@ -4,26 +4,40 @@ Each returns a :class:`matplotlib.figure.Figure`, to show in a notebook or to wr
 """
 
 from glossa.figures.acoustics import area_functions, transfer_functions, vowel_chart
+from glossa.figures.calibration import calibration
 from glossa.figures.charts import force_bars, movement_traces
 from glossa.figures.contact import contact_map, electropalatogram
+from glossa.figures.delay import delay_traces
+from glossa.figures.dispersion import dispersion, saturation
+from glossa.figures.gravity import gravity_forces, gravity_shapes
 from glossa.figures.midsagittal import midsagittal, midsagittal_panels
 from glossa.figures.overview import overview
 from glossa.figures.spatial import muscles, surfaces
+from glossa.figures.speaker import speaker
 from glossa.figures.tract import cutting_planes, tract_sections
+from glossa.figures.transversalis import transversalis
 
 __all__ = [
     "area_functions",
+    "calibration",
     "contact_map",
     "cutting_planes",
+    "delay_traces",
+    "dispersion",
     "electropalatogram",
     "force_bars",
+    "gravity_forces",
+    "gravity_shapes",
     "midsagittal",
     "midsagittal_panels",
     "movement_traces",
     "muscles",
     "overview",
+    "saturation",
+    "speaker",
     "surfaces",
     "tract_sections",
     "transfer_functions",
+    "transversalis",
     "vowel_chart",
 ]

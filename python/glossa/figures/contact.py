@@ -16,13 +16,13 @@ from matplotlib.lines import Line2D
 from scipy.spatial import cKDTree
 
 from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.contact_samples import SPACING
 from glossa.anatomy.facet_surface import FacetSurface
 from glossa.anatomy.hexahedra import matching_faces
 from glossa.anatomy.smooth_surface import SmoothSurface
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.surface_sampling import surface_samples
 from glossa.anatomy.wall_checks import triangle_edges
-from glossa.contact_points import SPACING
 from glossa.errors import InputError
 from glossa.figures import style
 from glossa.figures.facets import shades, view_frame

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,6 +38,11 @@ NEAR_MIDLINE = 2e-3
 
 MARGIN = 14.0
 """Room around the tongue at rest, mm."""
+
+Dash = Literal["-", "--"] | tuple[float, tuple[float, ...]]
+
+DOTTED: Dash = (0, (1.0, 1.6))
+"""Of what is at rest."""
 
 
 @style.styled
@@ -142,7 +148,7 @@ def draw_outline(
     if fill:
         axes.add_patch(Polygon(curve, closed=True, facecolor=colour, alpha=0.13, edgecolor="none", zorder=2))
     closed = np.concatenate([curve, curve[:1]])
-    dash: str | tuple[float, tuple[float, ...]] = (0, (1.0, 1.6)) if dotted else "-"
+    dash = DOTTED if dotted else "-"
     width, order = (1.0, 3) if dotted else (1.9, 4)
     (line,) = axes.plot(*closed.T, color=colour, linewidth=width, linestyle=dash, zorder=order)
     return line
@@ -216,12 +222,12 @@ def draw_surroundings(axes: Axes, postures: Mapping[str, Posture], *, springs: b
     moved = {name: bone for name, posture in postures.items() if posture.hyoid and (bone := hyoid_of(posture))}
     if len(shown) == 1 and moved:
         _draw_cut(axes, next(iter(moved.values())), HYOID_NAME)
-        _outline_cut(axes, hyoid.surface, style.REST, dotted=True)
+        outline_cut(axes, hyoid.surface, style.REST, dash=DOTTED)
         return
     _draw_cut(axes, hyoid.surface, HYOID_NAME)
     colours = style.colours_of(postures)
     for name, bone in moved.items():
-        _outline_cut(axes, bone, colours[name], dotted=False)
+        outline_cut(axes, bone, colours[name])
 
 
 def _draw_cut(axes: Axes, wall: Wall, name: str) -> None:
@@ -232,11 +238,11 @@ def _draw_cut(axes: Axes, wall: Wall, name: str) -> None:
         line.set_gid(name)
 
 
-def _outline_cut(axes: Axes, wall: Wall, colour: str, *, dotted: bool) -> None:
-    dash: str | tuple[float, tuple[float, ...]] = (0, (1.0, 1.6)) if dotted else "-"
-    for cut in midsagittal_cut(wall):
+def outline_cut(axes: Axes, bone: Wall, colour: str, *, dash: Dash = "-") -> None:
+    """Outline of a bone cut by y = 0, thinner where it is dotted."""
+    for cut in midsagittal_cut(bone):
         outline = Polygon(cut * 1e3, closed=False, fill=False, edgecolor=colour, linestyle=dash, zorder=1.5)
-        outline.set_linewidth(1.0 if dotted else 1.3)
+        outline.set_linewidth(1.0 if dash == DOTTED else 1.3)
         outline.set_gid("hyoid")
         axes.add_patch(outline)
 
