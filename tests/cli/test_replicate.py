@@ -131,6 +131,7 @@ def test_page_shows_the_figures(page: str, pictures: list[Picture]) -> None:
     assert missing[0].reason in " ".join(Page(page).text)
 
 
+@pytest.mark.slow
 def test_page_is_the_same_for_the_same_results(page: str, result: Replication) -> None:
     assert replication_page(result, replication(result)) == page  # figures lay themselves out anew once drawn
 

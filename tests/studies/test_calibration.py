@@ -67,6 +67,7 @@ def test_every_value_lies_within_its_limits() -> None:
         assert parameter.meaning
 
 
+@pytest.mark.slow
 def test_finds_its_way_back() -> None:
     """Two parameters moved away: the cost falls at every step, and the others do not move."""
     moved = {"velum": 1.0, "root_back": -0.8}
@@ -81,6 +82,7 @@ def test_finds_its_way_back() -> None:
     assert summary(history[-1])[0] < summary(history[0])[0]
 
 
+@pytest.mark.slow
 def test_effects_tell_what_each_value_does() -> None:
     values = {"front_height": BUILT_IN["front_height"] or 0.5}
     with ThreadPoolExecutor(1) as executor:

@@ -97,7 +97,8 @@ def test_a_worker_that_is_killed_costs_no_point(
     kept = open_study(store)
     assert kept.identical(result)
     by_worker = {name.rpartition(":")[2] for name in result["worker"].to_numpy().tolist()}
-    assert by_worker == {str(worker.pid) for worker in workers}
+    assert str(workers[1].pid) in by_worker
+    assert by_worker <= {str(worker.pid) for worker in workers}  # the other may not have finished anything
     later = {record.worker for record in read_store(store)[1] if record.finished > killed_at[0]}
     assert later == {this_worker().replace(str(os.getpid()), str(workers[1].pid))}
     assert len(client.nthreads()) == 1

@@ -30,8 +30,7 @@ from glossa.cli.options import (
     make_speaker,
     vowel_name,
 )
-from glossa.cli.study_commands import _bar as study_bar
-from glossa.cli.study_commands import _executor as study_executor
+from glossa.cli.study_commands import study_bar, study_executor
 from glossa.errors import InputError
 from glossa.results import write_dataset
 from glossa.studies.delay import DELAYS, delay

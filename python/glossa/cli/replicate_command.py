@@ -25,8 +25,7 @@ from glossa.cli.options import (
     make_speaker,
 )
 from glossa.cli.replicate_output import print_replication, replication_json
-from glossa.cli.study_commands import _executor as study_executor
-from glossa.cli.study_commands import pace
+from glossa.cli.study_commands import pace, study_executor
 from glossa.studies.replication import replicate
 from glossa.studies.replication_rules import FAILED
 from glossa.studies.run import Progress

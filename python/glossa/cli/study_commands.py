@@ -99,7 +99,7 @@ def sweep_command(
     commands = None if base == "none" else vowel_name(base)
     scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     start = scene.equilibrate({} if commands is None else VOWELS[commands]) if warm else None
-    with _executor(workers, scheduler) as executor, _bar() as progress:
+    with study_executor(workers, scheduler) as executor, study_bar() as progress:
         result = sweep(
             scene,
             design,
@@ -191,7 +191,12 @@ def _number(name: str, text: str) -> float:
 
 
 @contextlib.contextmanager
-def _executor(workers: int, scheduler: str | None) -> Iterator[Executor | None]:
+def study_executor(workers: int, scheduler: str | None) -> Iterator[Executor | None]:
+    """What --workers and --scheduler ask for; None: this process.
+
+    Raises:
+        InputError: both at once, or Dask is missing.
+    """
     if scheduler is not None:
         if workers != 1:
             raise InputError("choose one of --workers and --scheduler")
@@ -210,7 +215,7 @@ def _executor(workers: int, scheduler: str | None) -> Iterator[Executor | None]:
 
 
 @contextlib.contextmanager
-def _bar() -> Iterator[Callable[[Progress], None] | None]:
+def study_bar() -> Iterator[Callable[[Progress], None] | None]:
     """A bar on a terminal's stderr with rate and time left."""
     console = Console(stderr=True)
     if not console.is_terminal:
