@@ -12,7 +12,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from glossa.cli import app, main
-from glossa.cli.study_commands import pace
+from glossa.cli.running import pace
 from glossa.studies import Progress, open_study, sweep
 
 GRID = ("sweep", "--base", "@", "--axis", "change.MH=-1:1:2", "--axis", "gravity=upright,7/0/-7")

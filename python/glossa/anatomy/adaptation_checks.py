@@ -11,20 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from glossa.anatomy import hexahedra as hexa
-from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.arrays import FloatArray, place_mm
 from glossa.anatomy.clearance import clearances
-from glossa.anatomy.quality import GOOD_JACOBIAN, NOTED_OVERLAP
+from glossa.anatomy.quality import GOOD_JACOBIAN, LEAST_JACOBIAN, NOTED_OVERLAP
 from glossa.anatomy.speaker import Speaker
-from glossa.anatomy.wall_checks import DEEPEST_OVERLAP
+from glossa.anatomy.wall_checks import DEEPEST_OVERLAP, triangle_normals
 from glossa.anatomy.walls import Wall
 from glossa.anatomy.warp import Warp
 from glossa.errors import InputError
 
-LEAST_SCALED_JACOBIAN = 0.1
-"""An element that falls below is refused, unless it keeps LEAST_SHARE of what it had."""
-
 LEAST_SHARE = 0.6
-"""Of the smallest scaled Jacobian before that a speaker keeps without a warning."""
+"""Of its scaled Jacobian before: an element that keeps it is not refused below LEAST_JACOBIAN, and a speaker whose
+smallest keeps it is not warned of."""
 
 _ADVICE = "check these targets and their neighbours, and that x runs front to back, y to the right and z up"
 log = logging.getLogger(__name__)
@@ -51,8 +49,8 @@ class Moves:
         moves = (self.targets - self.points) * 1e3
         own = np.linalg.norm(moves[n] - moves.mean(axis=0))
         return (
-            f"{in_millimetres(place)}; nearest to it, {distances[n] * 1e3:.0f} mm away, is {self.names[n]}, which "
-            f"moved by {in_millimetres(moves[n] / 1e3)}, {own:.1f} mm off the mean of all points"
+            f"{place_mm(place)}; nearest to it, {distances[n] * 1e3:.0f} mm away, is {self.names[n]}, which "
+            f"moved by {place_mm(moves[n] / 1e3)}, {own:.1f} mm off the mean of all points"
         )
 
 
@@ -74,7 +72,7 @@ def check_elements(speaker: Speaker, nodes: FloatArray, moves: Moves) -> None:
     """No element is inside out or nearly so; a mesh that gets much worse is warned of.
 
     Raises:
-        InputError: an inverted element, or a scaled Jacobian below LEAST_SCALED_JACOBIAN.
+        InputError: an inverted element, or a scaled Jacobian below LEAST_JACOBIAN.
     """
     cells = speaker.hexahedra
     determinants = [values(nodes, cells).min(axis=1) for values in (hexa.corner_determinants, hexa.gauss_determinants)]
@@ -83,13 +81,13 @@ def check_elements(speaker: Speaker, nodes: FloatArray, moves: Moves) -> None:
         where = moves.near(speaker.nodes[cells[worst]].mean(axis=0))
         raise InputError(f"the targets turn hexahedron {worst} inside out, at {where}: {_ADVICE}")
     before, after = speaker.scaled_jacobians, hexa.scaled_jacobians(nodes, cells)
-    poor = np.flatnonzero((after < LEAST_SCALED_JACOBIAN) & (after < LEAST_SHARE * before))
+    poor = np.flatnonzero((after < LEAST_JACOBIAN) & (after < LEAST_SHARE * before))
     if len(poor):
         worst = int(poor[after[poor].argmin()])
         where = moves.near(speaker.nodes[cells[worst]].mean(axis=0))
         raise InputError(
             f"the targets distort hexahedron {worst} to a scaled Jacobian of {after[worst]:.3f} (before: "
-            f"{before[worst]:.3f}; at least {LEAST_SCALED_JACOBIAN:g} is needed), at {where}: {_ADVICE}"
+            f"{before[worst]:.3f}; at least {LEAST_JACOBIAN:g} is needed), at {where}: {_ADVICE}"
         )
     least = float(after.min())
     if least < LEAST_SHARE * before.min() or least < GOOD_JACOBIAN <= before.min():
@@ -109,8 +107,10 @@ def check_surface(name: str, before: Wall, after: Wall, warp: Warp, moves: Moves
     """
     triangles = before.triangles
     centres = before.vertices[triangles].mean(axis=1)
-    turned = np.linalg.solve(np.swapaxes(warp.gradient(centres), 1, 2), _normals(before, triangles)[:, :, None])
-    agreement = (turned[:, :, 0] * _normals(after, triangles)).sum(axis=1)
+    turned = np.linalg.solve(
+        np.swapaxes(warp.gradient(centres), 1, 2), triangle_normals(before.vertices[triangles])[:, :, None]
+    )
+    agreement = (turned[:, :, 0] * triangle_normals(after.vertices[triangles])).sum(axis=1)
     worst = int(agreement.argmin())
     if agreement[worst] <= 0.0:
         raise InputError(f"the targets fold {name} over at {moves.near(centres[worst])}: {_ADVICE}")
@@ -140,13 +140,3 @@ def check_overlap(before: Speaker, after: Speaker, scale: float, moves: Moves) -
                 f"{what} {moves.near(own)}; at most {DEEPEST_OVERLAP * 1e3:g} mm can be cleared: {_ADVICE}"
             )
         log.warning("%s %s", what, moves.near(own))
-
-
-def in_millimetres(vector: FloatArray) -> str:
-    """(3,) m as text."""
-    return "({:.1f}, {:.1f}, {:.1f}) mm".format(*(np.asarray(vector) * 1e3 + 0.0))
-
-
-def _normals(wall: Wall, triangles: IntArray) -> FloatArray:
-    a, b, c = (wall.vertices[triangles[:, k]] for k in range(3))
-    return np.asarray(np.cross(b - a, c - a))

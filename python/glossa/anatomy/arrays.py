@@ -63,6 +63,12 @@ def int_array(value: Any, what: str, columns: int | None = None) -> IntArray:
     return frozen(array.astype(np.int32))
 
 
+def place_mm(point: Any) -> str:
+    """A place or vector (3,) in m as text, mm."""
+    x, y, z = (1e3 * float(value) + 0.0 for value in point)
+    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+
+
 def _check_shape(array: NDArray[Any], what: str, columns: int | None) -> None:
     if columns is None and array.ndim != 1:
         raise InputError(f"{what}: expected a one-dimensional array, got shape {array.shape}")

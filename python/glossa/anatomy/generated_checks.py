@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from glossa import _core
 from glossa.anatomy import hexahedra as hexa
-from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.arrays import FloatArray, IntArray, place_mm
 from glossa.anatomy.clearance import Clearance, clearances
 from glossa.anatomy.landmarks import COLUMNS, LAYERS
-from glossa.anatomy.quality import GOOD_JACOBIAN, quality_of
+from glossa.anatomy.quality import GOOD_JACOBIAN, LEAST_JACOBIAN, quality_of
 from glossa.anatomy.reference_block import Block
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.speaker_landmarks import SpeakerLandmarks
-from glossa.anatomy.wall_checks import DEEPEST_OVERLAP, INTERIOR, check_wall, triangle_edges
+from glossa.anatomy.wall_checks import DEEPEST_OVERLAP, INTERIOR, check_wall, triangle_edges, triangle_normals
 from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
 
 log = logging.getLogger(__name__)
-
-LEAST_JACOBIAN = 0.1
-"""Scaled Jacobian under which an element is refused."""
 
 NEAR_MIDLINE = 3e-3
 """Distance from the midplane within which the airway must be open, m."""
@@ -50,8 +46,9 @@ def check_mesh(block: Block, nodes: FloatArray, hexahedra: IntArray, landmarks: 
     i, rest = divmod(worst, LAYERS * r * 2 * COLUMNS * r)
     j, k = divmod(rest, 2 * COLUMNS * r)
     index = ", ".join(f"{value / r:g}" for value in (i, j, k - COLUMNS * r))
+    where = place_mm(nodes[hexahedra[worst]].mean(axis=0))
     raise InputError(
-        f"{landmarks.name}: hexahedron {worst} at ray, layer, column ({index}), {_place(nodes[hexahedra[worst]])}, is "
+        f"{landmarks.name}: hexahedron {worst} at ray, layer, column ({index}), {where}, is "
         f"too distorted: scaled Jacobian {jacobians[worst]:.3f}, at least {LEAST_JACOBIAN} is needed and the built-in "
         f"speaker keeps {GOOD_JACOBIAN}{_advice(landmarks)}"
     )
@@ -70,7 +67,7 @@ def check_rest(speaker: Speaker, landmarks: SpeakerLandmarks) -> None:
         if room.least < -DEEPEST_OVERLAP:
             raise InputError(
                 f"{landmarks.name}: the tongue at rest overlaps wall {name} by {-room.least * 1e3:.1f} mm at "
-                f"{_place(room.place)}; at most {DEEPEST_OVERLAP * 1e3:g} mm can be cleared{_advice(landmarks)}"
+                f"{place_mm(room.place)}; at most {DEEPEST_OVERLAP * 1e3:g} mm can be cleared{_advice(landmarks)}"
             )
     _check_airway(speaker, clear, landmarks)
     for note in quality_of(speaker, clear).notes:
@@ -85,8 +82,7 @@ def _check_folds(name: str, wall: Wall, landmarks: SpeakerLandmarks) -> None:
         raise InputError(f"{landmarks.name}: {error}{_advice(landmarks)}") from None
     if name == _TUBE:
         return
-    a, b, c = np.moveaxis(wall.vertices[wall.triangles], 1, 0)
-    normals = np.cross(b - a, c - a)
+    normals = triangle_normals(wall.vertices[wall.triangles])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     edges, of_side, count = triangle_edges(wall.triangles)
     side = np.argsort(of_side.ravel(), kind="stable")  # sides of one edge stand together
@@ -96,9 +92,10 @@ def _check_folds(name: str, wall: Wall, landmarks: SpeakerLandmarks) -> None:
     worst = int(bend.argmin())
     if bend[worst] < LEAST_BEND:
         edge = edges[of_side.ravel()[pairs[worst, 0]]]
+        where = place_mm(wall.vertices[edge].mean(axis=0))
         raise InputError(
-            f"{landmarks.name}: wall {name} is folded over itself at {_place(wall.vertices[edge])}: its landmarks bend "
-            f"too sharply{_advice(landmarks)}"
+            f"{landmarks.name}: wall {name} is folded over itself at {where}: its landmarks bend too "
+            f"sharply{_advice(landmarks)}"
         )
 
 
@@ -124,14 +121,9 @@ def _check_open(what: str, wall: str, points: FloatArray, distances: FloatArray,
     if len(points) and distances.min() <= 0.0:
         raise InputError(
             f"{landmarks.name}: the airway is closed at rest: on the midline the {what} reaches wall {wall}, at "
-            f"{_place(points[distances.argmin()])}{_advice(landmarks)}"
+            f"{place_mm(points[distances.argmin()])}{_advice(landmarks)}"
         )
 
 
 def _advice(landmarks: SpeakerLandmarks) -> str:
     return f"; change less of: {', '.join(landmarks.changes)}" if landmarks.changes else ""
-
-
-def _place(points: Any) -> str:
-    x, y, z = np.reshape(points, (-1, 3)).mean(axis=0) * 1e3
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"

@@ -11,6 +11,9 @@ from glossa.anatomy.clearance import Clearance, clearances
 from glossa.anatomy.hexahedra import EDGES
 from glossa.anatomy.speaker import Speaker
 
+LEAST_JACOBIAN = 0.1
+"""Scaled Jacobian under which an element of a generated or adapted speaker is refused."""
+
 GOOD_JACOBIAN, POOR_JACOBIAN = 0.3, 0.2
 """Scaled Jacobians under which elements are counted; the built-in speaker keeps the first."""
 

@@ -55,6 +55,12 @@ class ShapeParameter:
     tongue: Mapping[str, FloatArray]
     walls: Mapping[str, FloatArray]
 
+    @property
+    def room(self) -> tuple[float, float]:
+        """Least and largest amount that may be added to the built-in value."""
+        low, high = self.limits
+        return low - self.value, high - self.value
+
     def add_to(self, part: str, tables: Tables, value: float) -> None:
         """Change the landmark tables of a part, "tongue" or "walls", in place.
 

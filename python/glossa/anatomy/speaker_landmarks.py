@@ -130,7 +130,7 @@ def _shape(given: Any, parameters: Mapping[str, ShapeParameter]) -> dict[str, fl
             raise InputError(f"[shape] has no parameter {key!r}; known are {', '.join(parameters)}")
         parameter = parameters[key]
         values[key] = finite_number(value, f"[shape] {key}")
-        low, high = (limit - parameter.value for limit in parameter.limits)
+        low, high = parameter.room
         if not low <= values[key] <= high:
             raise InputError(f"[shape] {key} must lie between {low:g} and {high:g} {parameter.unit}, got {value!r}")
     return values

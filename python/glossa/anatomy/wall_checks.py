@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -11,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from glossa import _core
-from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray, frozen
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray, frozen, place_mm
 from glossa.anatomy.walls import Wall
 from glossa.errors import InputError
 
@@ -53,7 +52,7 @@ def check_wall(name: str, wall: Wall) -> None:
         edge = int(count.argmax())
         owners = np.flatnonzero((of_side == edge).any(axis=1))
         raise InputError(
-            f"wall {name!r}: the edge at {_place(wall.vertices[edges[edge]].mean(axis=0))} belongs to "
+            f"wall {name!r}: the edge at {place_mm(wall.vertices[edges[edge]].mean(axis=0))} belongs to "
             f"{count[edge]} triangles ({', '.join(map(str, owners))}); a surface has one or two at each edge: remove "
             f"the inner or the double ones, or split the wall in two"
         )
@@ -99,6 +98,12 @@ def welded_triangles(wall: Wall) -> IntArray:
     return frozen(np.asarray(first[cluster][wall.triangles], dtype=np.int32))
 
 
+def triangle_normals(corners: FloatArray) -> FloatArray:
+    """(m, 3) normals of triangles with ``corners`` (m, 3, 3), as long as twice their areas."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return np.asarray(np.cross(b - a, c - a))
+
+
 def _check_triangles(name: str, wall: Wall, triangles: IntArray) -> None:
     corners = wall.vertices[triangles]
     sides = corners[:, [1, 2, 0]] - corners
@@ -112,7 +117,7 @@ def _check_triangles(name: str, wall: Wall, triangles: IntArray) -> None:
     t = int(bad[0])
     fault = "two of its corners are at the same place" if repeated[t] else f"its area is {area[t] * 1e6:.2g} mm2"
     raise InputError(
-        f"wall {name!r}: triangle {t} at {_place(corners[t].mean(axis=0))} is degenerate: {fault}; remove it or move "
+        f"wall {name!r}: triangle {t} at {place_mm(corners[t].mean(axis=0))} is degenerate: {fault}; remove it or move "
         f"its corners ({len(bad)} of {len(triangles)} triangles are degenerate)"
     )
 
@@ -124,8 +129,8 @@ def _check_twice(name: str, wall: Wall, triangles: IntArray) -> None:
     if len(twice):
         a, b = sorted((int(order[twice[0]]), int(order[twice[0] + 1])))
         raise InputError(
-            f"wall {name!r}: triangles {a} and {b} at {_place(wall.vertices[triangles[a]].mean(axis=0))} have the same "
-            f"three corners; remove one of them"
+            f"wall {name!r}: triangles {a} and {b} at {place_mm(wall.vertices[triangles[a]].mean(axis=0))} have "
+            f"the same three corners; remove one of them"
         )
 
 
@@ -137,7 +142,7 @@ def _check_orientation(name: str, wall: Wall, nearest: IntArray, on_turned_edge:
         return
     t = int(nearest[bad[0]])
     raise InputError(
-        f"wall {name!r}: at {_place(wall.vertices[triangles[t]].mean(axis=0))}, where the tongue faces it, triangle "
+        f"wall {name!r}: at {place_mm(wall.vertices[triangles[t]].mean(axis=0))}, where the tongue faces it, triangle "
         f"{t} and a neighbour run different ways round, so that the wall has no side; reverse the order of corners of "
         f"the turned faces, so that all normals point towards the tongue ({int(turned.sum())} of {len(triangles)} "
         f"triangles border on such an edge)"
@@ -152,8 +157,8 @@ def _check_holes(name: str, wall: Wall, loops: IntArray) -> None:
         if not outer:
             raise InputError(
                 f"wall {name!r} has a hole of {np.ptp(points, axis=0).max() * 1e3:.1f} mm ({len(points)} edges) at "
-                f"{_place(points.mean(axis=0))}, where the tongue faces it; close it, or keep the tongue's faces there "
-                f"out of contact_faces"
+                f"{place_mm(points.mean(axis=0))}, where the tongue faces it; close it, or keep the tongue's faces "
+                f"there out of contact_faces"
             )
 
 
@@ -171,7 +176,7 @@ def _check_side(name: str, points: FloatArray, distances: FloatArray, against: B
     if against is not None:
         reversed_normals &= 2 * against[behind].sum() < behind.sum()
     worst = int(distances.argmin())
-    where = f"{-distances[worst] * 1e3:.1f} mm at {_place(points[worst])}"
+    where = f"{-distances[worst] * 1e3:.1f} mm at {place_mm(points[worst])}"
     if reversed_normals:
         raise InputError(
             f"wall {name!r}: {int(behind.sum())} of the {int(judged.sum())} points of the tongue nearest to it lie "
@@ -202,8 +207,3 @@ def _inconsistent_sides(triangles: IntArray) -> BoolArray:
     upwards = np.where(triangles < triangles[:, [1, 2, 0]], 1, -1)
     balance = np.bincount(of_side.ravel(), weights=upwards.ravel())
     return np.asarray(((count == 2) & (balance != 0))[of_side])
-
-
-def _place(point: Any) -> str:
-    x, y, z = (1e3 * float(value) for value in point)
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"

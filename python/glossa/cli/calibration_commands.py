@@ -10,7 +10,9 @@ import typer
 import xarray as xr
 
 from glossa.cli import output
-from glossa.cli.options import JsonOption, LandmarksOption, check_output
+from glossa.cli.files import write_netcdf
+from glossa.cli.options import JsonOption, LandmarksOption, SaveOption, check_output, numbers
+from glossa.errors import InputError
 from glossa.studies.calibration import Outcome, calibrate, calibrated_parameters, effects, outcome, summary
 from glossa.studies.resolution import error_bars, resolution_study
 
@@ -63,16 +65,18 @@ def resolution_command(
         str, typer.Option("--resolutions", "-r", metavar="R,R,R", help="Three of them, rising.")
     ] = "1,2,3",
     landmarks: LandmarksOption = None,
-    save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write the numbers (.nc).")] = None,
+    save: SaveOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """The vowels of the built-in speaker at three resolutions: changes, observed orders, errors; takes minutes."""
     check_output(save, (".nc",))
-    study = resolution_study([int(r) for r in resolutions.split(",")], landmarks=landmarks, progress=output.say)
+    values = numbers("--resolutions", resolutions)
+    levels = [int(value) for value in values]
+    if levels != values:
+        raise InputError(f"--resolutions must be whole numbers, got {resolutions!r}")
+    study = resolution_study(levels, landmarks=landmarks, progress=output.say)
     bars = {quantity: error_bars(study, quantity) for quantity in BOUND}
-    if save is not None:
-        study.to_netcdf(save, engine="h5netcdf")
-        output.wrote(save)
+    write_netcdf(study, save)
     if as_json:
         output.print_json({"study": _plain(study), "errors": {name: _plain(bar) for name, bar in bars.items()}})
         return

@@ -6,11 +6,13 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import xarray as xr
+
 from glossa.acoustics import AreaFunction
 from glossa.cli import output
 from glossa.cli.options import PICTURES, check_output
 from glossa.errors import InputError
-from glossa.results import Posture
+from glossa.results import Posture, write_dataset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,6 +69,13 @@ def write_posture(
     if vtk is not None:
         posture.to_meshio().write(vtk)
         output.wrote(vtk)
+
+
+def write_netcdf(study: xr.Dataset, path: Path | None) -> None:
+    """All results of a study, where a file is asked for."""
+    if path is not None:
+        write_dataset(study, path)
+        output.wrote(path)
 
 
 def write(figure: Figure, path: Path) -> None:

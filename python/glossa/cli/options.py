@@ -101,6 +101,15 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for machine
 AccuracyOption = Annotated[
     str, typer.Option("--accuracy", metavar="draft|standard|reference", help="Of the time steps.")
 ]
+StoreOption = Annotated[
+    Path | None,
+    typer.Option("--store", metavar="FILE", help="Keeps finished runs; the same command goes on from there."),
+]
+WorkersOption = Annotated[int, typer.Option("--workers", "-w", metavar="N", help="Processes on this machine.")]
+SchedulerOption = Annotated[
+    str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")
+]
+SaveOption = Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write all results as NetCDF (.nc).")]
 VowelArgument = Annotated[str, typer.Argument(metavar="VOWEL", help="i, a, u, or ə (@ on plain keyboards).")]
 
 
@@ -168,6 +177,18 @@ def vowel_name(given: str) -> str:
     if name not in VOWELS:
         raise InputError(f"unknown vowel {given!r}; choose i, a, u or ə (also written @)")
     return name
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """Numbers with commas between them.
+
+    Raises:
+        InputError: something else; the message names the option.
+    """
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"{option} must be numbers with commas between them, got {text!r}") from None
 
 
 def check_output(path: Path | None, suffixes: Sequence[str] = ()) -> None:

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-import xarray as xr
 
 from glossa.checks import whole_number
 from glossa.cli import output, paper_output, sensitivity_output
-from glossa.cli.files import check_outputs, write
+from glossa.cli.files import check_outputs, write, write_netcdf
 from glossa.cli.options import (
     ContactOption,
     FrictionOption,
@@ -23,23 +22,24 @@ from glossa.cli.options import (
     MirrorOption,
     PlotOption,
     ResolutionOption,
+    SaveOption,
+    SchedulerOption,
     SpeakerOption,
+    StoreOption,
     VowelArgument,
+    WorkersOption,
     check_output,
     make_scene,
     make_speaker,
+    numbers,
     vowel_name,
 )
-from glossa.cli.study_commands import study_bar, study_executor
-from glossa.errors import InputError
-from glossa.results import write_dataset
+from glossa.cli.running import study_bar, study_executor
 from glossa.studies.delay import DELAYS, delay
 from glossa.studies.gravity import CARDINALS, gravity
 from glossa.studies.sensitivity import sensitivity
 from glossa.studies.sensitivity_summary import sensitivity_summary
 from glossa.studies.transversalis import VOLUNTARY, transversalis
-
-SaveOption = Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write all results as NetCDF (.nc).")]
 
 
 @output.guarded
@@ -54,14 +54,9 @@ def sensitivity_command(
             show_default="those of Table VI",
         ),
     ] = None,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="FILE", help="Keeps finished runs; the same command goes on from there."),
-    ] = None,
-    workers: Annotated[int, typer.Option("--workers", "-w", metavar="N", help="Processes on this machine.")] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")
-    ] = None,
+    store: StoreOption = None,
+    workers: WorkersOption = 1,
+    scheduler: SchedulerOption = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     landmarks: LandmarksOption = None,
@@ -85,7 +80,7 @@ def sensitivity_command(
     check_outputs(plot, plot_saturation)
     check_output(save, (".nc",))
     whole_number(workers, "--workers", 1, 1000)
-    percents = None if changes is None else _percents(changes)
+    percents = None if changes is None else numbers("--changes", changes)
     scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     with study_executor(workers, scheduler) as executor, study_bar() as progress:
         study = sensitivity(scene, name, percents, store=store, executor=executor, progress=progress)
@@ -100,7 +95,7 @@ def sensitivity_command(
         write(figures.dispersion(study, scene.speaker), plot)
     if plot_saturation is not None:
         write(figures.saturation(study), plot_saturation)
-    _save(study, save)
+    write_netcdf(study, save)
     if int(summary["failed"]):
         raise output.failure(f"{int(summary['failed'])} of {int(summary['runs'])} runs failed", 1)
 
@@ -145,7 +140,7 @@ def gravity_command(
         write(figures.gravity_shapes(study, scene.speaker), plot)
     if plot_forces is not None:
         write(figures.gravity_forces(study), plot_forces)
-    _save(study, save)
+    write_netcdf(study, save)
     _refuse_failed([*study["final_reason"].values.ravel(), *study["static_reason"].values.ravel()])
     _refuse_failed(study["vowel_reason"].values.ravel().tolist())
 
@@ -182,7 +177,7 @@ def transversalis_command(
         from glossa import figures
 
         write(figures.transversalis(study, scene.speaker), plot)
-    _save(study, save)
+    write_netcdf(study, save)
     _refuse_failed(study["reason"].values.tolist())
 
 
@@ -209,7 +204,7 @@ def delay_command(
     name = vowel_name(vowel)
     check_outputs(plot)
     check_output(save, (".nc",))
-    values = [1e-3 * value for value in _numbers("--delays", delays)]
+    values = [1e-3 * value for value in numbers("--delays", delays)]
     scene = make_scene(make_speaker(speaker, resolution, landmarks), gravity, mirror, contact, friction, hyoid)
     study = delay(scene, name, values, until=until, progress=_told())
     if as_json:
@@ -220,30 +215,13 @@ def delay_command(
         from glossa import figures
 
         write(figures.delay_traces(study), plot)
-    _save(study, save)
+    write_netcdf(study, save)
     _refuse_failed(study["reason"].values.tolist())
-
-
-def _percents(text: str) -> list[float]:
-    return _numbers("--changes", text)
-
-
-def _numbers(option: str, text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(f"{option} must be numbers with commas between them, got {text!r}") from None
 
 
 def _told() -> Callable[[str], None] | None:
     """What is being computed, on stderr, where somebody looks on."""
     return output.say if sys.stderr.isatty() else None
-
-
-def _save(study: xr.Dataset, path: Path | None) -> None:
-    if path is not None:
-        write_dataset(study, path)
-        output.wrote(path)
 
 
 def _refuse_failed(reasons: list[str]) -> None:

@@ -19,13 +19,14 @@ from glossa.cli.options import (
     LandmarksOption,
     MirrorOption,
     ResolutionOption,
+    SchedulerOption,
     SpeakerOption,
     check_output,
     make_scene,
     make_speaker,
 )
 from glossa.cli.replicate_output import print_replication, replication_json
-from glossa.cli.study_commands import pace, study_executor
+from glossa.cli.running import pace, study_executor
 from glossa.studies.replication import replicate
 from glossa.studies.replication_rules import FAILED
 from glossa.studies.run import Progress
@@ -45,9 +46,7 @@ def replicate_command(
     workers: Annotated[
         int, typer.Option("--workers", "-w", metavar="N", help="Processes on this machine for Table VI.")
     ] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")
-    ] = None,
+    scheduler: SchedulerOption = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     landmarks: LandmarksOption = None,

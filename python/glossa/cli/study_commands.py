@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import math
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 import xarray as xr
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bar
 from rich.table import Table
 
 from glossa.checks import whole_number
 from glossa.cli import output
-from glossa.cli.files import need
+from glossa.cli.files import write_netcdf
 from glossa.cli.options import (
     ContactOption,
     FrictionOption,
@@ -30,18 +25,20 @@ from glossa.cli.options import (
     LandmarksOption,
     MirrorOption,
     ResolutionOption,
+    SaveOption,
+    SchedulerOption,
     SpeakerOption,
+    StoreOption,
+    WorkersOption,
     check_output,
     make_scene,
     make_speaker,
     vowel_name,
 )
+from glossa.cli.running import study_bar, study_executor
 from glossa.errors import InputError
 from glossa.motor.commands import VOWELS
-from glossa.results import write_dataset
 from glossa.studies.designs import NORMAL, Design, grid, latin_hypercube, monte_carlo
-from glossa.studies.executors import worker_pool
-from glossa.studies.run import Progress
 from glossa.studies.sweep import sweep
 
 _MOST_ROWS = 50  # of the table of points
@@ -70,18 +67,13 @@ def sweep_command(
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", metavar="SEED", help="Of --latin and --random.")] = None,
     warm: Annotated[bool, typer.Option("--warm", help="Start from the base's posture in place of rest.")] = False,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="FILE", help="Keeps finished points; the same command goes on from there."),
-    ] = None,
+    store: StoreOption = None,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Compute points again that failed in an earlier run.")
     ] = False,
-    workers: Annotated[int, typer.Option("--workers", "-w", metavar="N", help="Processes on this machine.")] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")
-    ] = None,
-    save: Annotated[Path | None, typer.Option("--save", metavar="FILE", help="Write it as NetCDF (.nc).")] = None,
+    workers: WorkersOption = 1,
+    scheduler: SchedulerOption = None,
+    save: SaveOption = None,
     speaker: SpeakerOption = "reference",
     resolution: ResolutionOption = 1,
     landmarks: LandmarksOption = None,
@@ -114,9 +106,7 @@ def sweep_command(
         output.print_json(_as_json(result, design))
     else:
         _print(result, design)
-    if save is not None:
-        write_dataset(result, save)
-        output.wrote(save)
+    write_netcdf(result, save)
     failed = int((result["status"] != "converged").sum())
     if failed:
         reason = str(result["reason"].to_numpy()[np.flatnonzero(result["status"] != "converged")[0]])
@@ -185,62 +175,6 @@ def _number(name: str, text: str) -> float:
         return float(text)
     except ValueError:
         raise InputError(f"--axis {name}: {text!r} is no number") from None
-
-
-# Running
-
-
-@contextlib.contextmanager
-def study_executor(workers: int, scheduler: str | None) -> Iterator[Executor | None]:
-    """What --workers and --scheduler ask for; None: this process.
-
-    Raises:
-        InputError: both at once, or Dask is missing.
-    """
-    if scheduler is not None:
-        if workers != 1:
-            raise InputError("choose one of --workers and --scheduler")
-        need("distributed", "--scheduler", "glossa[cluster]")
-        distributed: Any = importlib.import_module("distributed")
-        with distributed.Client(scheduler, timeout=10) as client:
-            yield client.get_executor()
-    elif workers == 1:
-        yield None
-    else:
-        pool = worker_pool(workers)
-        try:
-            yield pool
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-
-@contextlib.contextmanager
-def study_bar() -> Iterator[Callable[[Progress], None] | None]:
-    """A bar on a terminal's stderr with rate and time left."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Bar(*columns, console=console, transient=True) as bar:
-        task: TaskID = bar.add_task("", total=None)
-
-        def show(progress: Progress) -> None:
-            bar.update(task, total=progress.total, completed=progress.done, description=pace(progress))
-
-        yield show
-
-
-def pace(progress: Progress) -> str:
-    """Rate, time left, and failures in words."""
-    if not math.isfinite(progress.rate):
-        words = "first points" if progress.done < progress.total else ""
-    else:
-        left = round(progress.remaining)
-        hours, minutes, seconds = left // 3600, left // 60 % 60, left % 60
-        words = f"{progress.rate:.2g}/s, {hours}:{minutes:02}:{seconds:02} left"
-    failed = f", {progress.failed} failed" if progress.failed else ""
-    return f"{words}{failed}".removeprefix(", ")
 
 
 # Output

@@ -102,3 +102,14 @@ VOWELS: Mapping[str, MotorCommands] = MappingProxyType(
     }
 )
 """Commands of /i/, /ə/, /u/ and /a/ (Table III)."""
+
+
+def vowel_commands(vowel: Any) -> MotorCommands:
+    """Commands of a vowel of Table III.
+
+    Raises:
+        InputError: another name; the message lists those there are.
+    """
+    if vowel not in VOWELS:
+        raise InputError(f"unknown vowel {vowel!r}; Table III has {', '.join(VOWELS)}")
+    return VOWELS[vowel]

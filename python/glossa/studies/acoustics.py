@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from glossa.acoustics import AreaFunction, TubeConstants, formants
+from glossa.anatomy.arrays import FloatArray
 from glossa.errors import InputError
 from glossa.results import Movement, Posture
 from glossa.tract import LIPS, Lips, area_function
@@ -72,6 +74,15 @@ def formant_table(
         coords={"tract": list(tracts), "formant": np.arange(1, found.frequencies.shape[1] + 1)},
         attrs={"constants": constants if isinstance(constants, str) else constants.name},
     )
+
+
+def posture_formants(posture: Posture, lips: str | tuple[float, float] | Lips) -> tuple[FloatArray, str]:
+    """(4,) F1 to F4 of a posture, Hz, NaN where not found; and why, or empty."""
+    try:
+        found = area_function(posture, lips).formants(4)
+    except InputError as error:
+        return np.full(4, math.nan), str(error)
+    return found.frequencies, found.reason
 
 
 def movement_tracts(movement: Movement, times: ArrayLike, lips: str | tuple[float, float] | Lips) -> list[AreaFunction]:

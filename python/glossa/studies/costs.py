@@ -14,8 +14,7 @@ from glossa.anatomy.arrays import FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.walls import Wall
 from glossa.checks import whole_number
-from glossa.errors import InputError
-from glossa.motor.commands import VOWELS
+from glossa.motor.commands import vowel_commands
 from glossa.motor.schedule import Ramp
 from glossa.results import Movement
 from glossa.scene import Scene
@@ -74,10 +73,9 @@ def effect_costs(
         InputError: an unknown vowel, no walls or no hyoid, or impossible numbers.
         SolveError, SolveInterrupted: as :meth:`glossa.Scene.simulate`.
     """
-    if vowel not in VOWELS:
-        raise InputError(f"unknown vowel {vowel!r}; Table III has {', '.join(VOWELS)}")
+    own = vowel_commands(vowel)
     count = whole_number(repetitions, "repetitions", 1, 1000)
-    schedule = Ramp(VOWELS[vowel])
+    schedule = Ramp(own)
 
     def move(scene: Scene) -> tuple[float, Movement]:
         begin = time.process_time()

@@ -12,12 +12,13 @@ import xarray as xr
 
 from glossa.checks import finite_number
 from glossa.errors import InputError, SolveError
-from glossa.motor.commands import VOWELS
+from glossa.motor.commands import vowel_commands
 from glossa.motor.schedule import Ramp
 from glossa.scene import Scene
 from glossa.studies.failure import reason_of
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES, midsagittal_nodes
-from glossa.studies.traces import even_times, force_traces, node_traces, peak_speeds
+from glossa.studies.provenance import provenance
+from glossa.studies.traces import LATE, even_times, force_traces, node_traces, peak_speeds
 
 DELAYS = (0.005, 0.010, 0.015, 0.017, 0.020)
 """s; the paper varied from 5 to 20 ms and chose 17."""
@@ -54,8 +55,7 @@ def delay(
             or the contour.
         SolveInterrupted: Ctrl-C.
     """
-    if vowel not in VOWELS:
-        raise InputError(f"unknown vowel {vowel!r}; Table III has {', '.join(VOWELS)}")
+    own = vowel_commands(vowel)
     if scene.reflex is None:
         raise InputError("the study of the delay needs a scene with a reflex")
     values = _checked(delays)
@@ -72,14 +72,14 @@ def delay(
             progress(f"delay {value * 1e3:g} ms")
         here = Scene(scene.speaker, **{**scene.options, "reflex": replace(scene.reflex, delay=value)})
         try:
-            movement = here.simulate(Ramp(VOWELS[vowel]), until)
+            movement = here.simulate(Ramp(own), until)
         except SolveError as error:
             reasons[k] = reason_of(error)
             continue
         trace[k], force[k] = node_traces(movement, nodes, times), force_traces(movement, times)
         peak[k], speed[k] = movement.forces.to_numpy().max(axis=0), peak_speeds(movement, nodes)
     reference = int(np.abs(np.array(values) - scene.reflex.delay).argmin())
-    late = trace[:, times >= until - min(0.05, until)]
+    late = trace[:, times >= until - min(LATE, until)]
     return xr.Dataset(
         {
             "trace": (("delay", "time", "node", "axis"), trace, {"units": "m"}),
@@ -102,14 +102,7 @@ def delay(
             "axis": ["x", "y", "z"],
             "muscle": muscles,
         },
-        attrs={
-            "study": "delay",
-            "speaker": scene.speaker.name,
-            "speaker_fingerprint": scene.speaker.fingerprint,
-            "effects": ", ".join(scene.effects),
-            "vowel": vowel,
-            "reference_delay_s": values[reference],
-        },
+        attrs=provenance(scene, "delay") | {"vowel": vowel, "reference_delay_s": values[reference]},
     )
 
 

@@ -15,13 +15,14 @@ from glossa.checks import positive_number
 from glossa.errors import InputError, SolveError
 from glossa.motor.commands import VOWELS, MotorCommands
 from glossa.motor.schedule import Ramp
-from glossa.results import Movement, Posture
+from glossa.results import Posture
 from glossa.scene import Scene
+from glossa.studies.acoustics import posture_formants
 from glossa.studies.failure import reason_of
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES, midsagittal_nodes
-from glossa.studies.points import tracked_nodes
-from glossa.studies.traces import even_times, node_traces
-from glossa.tract import LIPS, area_function
+from glossa.studies.points import hyoid_pose, tracked_nodes
+from glossa.studies.provenance import provenance
+from glossa.studies.traces import LATE, even_times, node_traces
 
 DIRECTIONS: tuple[str, ...] = ("upright", "supine", "none")
 """Of gravity."""
@@ -124,9 +125,7 @@ def _turned(scene: Scene, direction: str) -> Scene:
 
 def _keep(found: dict[str, FloatArray], how: str, place: tuple[int, ...], posture: Posture) -> None:
     found[how][place] = posture.displacements
-    if posture.hyoid is not None:
-        pose = posture.hyoid
-        found[f"{how}_hyoid"][place] = np.stack([pose.displacement, pose.rotation, pose.centre])
+    found[f"{how}_hyoid"][place] = hyoid_pose(posture)
 
 
 def _rest_table(
@@ -157,17 +156,8 @@ def _rest_table(
             "axis": ["x", "y", "z"],
             "part": ["displacement", "rotation", "centre"],
         },
-        attrs=_facts(scene),
+        attrs=provenance(scene, "gravity"),
     )
-
-
-def _facts(scene: Scene) -> dict[str, Any]:
-    return {
-        "study": "gravity",
-        "speaker": scene.speaker.name,
-        "speaker_fingerprint": scene.speaker.fingerprint,
-        "effects": ", ".join(scene.effects),
-    }
 
 
 @dataclass(frozen=True)
@@ -251,16 +241,13 @@ def gravity_of_vowels(
             "axis": ["x", "y", "z"],
             "formant": [1, 2, 3, 4],
         },
-        attrs=_facts(scene) | {"vowel_until_s": end},
+        attrs=provenance(scene, "gravity") | {"vowel_until_s": end},
     )
     return result.assign(_changes(result))
 
 
 FORCES = ("peak", "final", "static")
 """Of a movement: the largest force, and that at its end; and the force in equilibrium."""
-
-LATE = 0.050
-"""End of a movement in which a force that still swings is told, s."""
 
 LEAST_FORCE = 0.01
 """Force from which its change is told in percent, N: the last digit of Table II."""
@@ -294,15 +281,6 @@ def _spoken(scene: Scene, vowel: str, until: float) -> _Spoken:
         )
     forces = movement.forces.to_numpy()
     late = forces[movement.times >= movement.times[-1] - LATE]
-    values, reason = _final_formants(movement, vowel)
+    values, reason = posture_formants(movement.at(float(movement.times[-1])), vowel)
     moved = movement.positions[-1][nodes] - scene.speaker.nodes[nodes]
     return _Spoken(forces.max(axis=0), forces[-1], np.ptp(late, axis=0), static, moved, values, reason)
-
-
-def _final_formants(movement: Movement, vowel: str) -> tuple[FloatArray, str]:
-    """F1 to F4 at the end, Hz, and why there are none."""
-    try:
-        found = area_function(movement.at(float(movement.times[-1])), LIPS[vowel]).formants(4)
-    except InputError as error:
-        return np.full(4, math.nan), str(error)
-    return found.frequencies, "" if np.isfinite(found.frequencies).all() else found.reason

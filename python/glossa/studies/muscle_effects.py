@@ -16,11 +16,12 @@ import pandas as pd
 from glossa import paper
 from glossa.anatomy.arrays import FloatArray, IntArray
 from glossa.anatomy.speaker import Speaker
+from glossa.anatomy.swept_surface import chord_lengths
 from glossa.errors import InputError
 from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies.points import tracked_nodes
-from glossa.studies.single_muscle import single_muscle
+from glossa.studies.single_muscle import single_muscles
 
 SHARE, LEAST = 0.4, 1.0
 """A magnitude agrees within this share of the paper's, or within so many mm, whichever is more."""
@@ -43,12 +44,13 @@ _AXES: Mapping[str, tuple[int, float]] = {
 }
 
 
-def muscle_effects(scene: Scene) -> pd.DataFrame:
+def muscle_effects(scene: Scene, postures: Mapping[str, Posture] | None = None) -> pd.DataFrame:
     """Every sentence of section III.A.1 beside the posture of that muscle alone, at the paper's command.
 
     Args:
         scene: of a speaker with the muscles of Table III, the contour "dorsum" and a mobile hyoid; the paper's has
             upright gravity and contact.
+        postures: of :func:`glossa.studies.single_muscles` in this scene; None: they are computed.
 
     Returns:
         The rows of :func:`glossa.paper.single_muscles` with ``ours_mm`` (largest displacement in that direction),
@@ -61,9 +63,10 @@ def muscle_effects(scene: Scene) -> pd.DataFrame:
     """
     table = paper.single_muscles()
     regions = _Regions(scene.speaker)
-    postures = {muscle: single_muscle(scene, muscle) for muscle in dict.fromkeys(table["muscle"])}
+    if postures is None:
+        postures = single_muscles(scene, dict.fromkeys(table["muscle"]))
     found = [
-        regions.displacements_mm(postures[row.muscle], str(row.region), str(row.direction))
+        regions.displacements_mm(postures[str(row.muscle)], str(row.region), str(row.direction))
         for row in table.itertuples()
     ]
     table["ours_mm"] = [float(values.max()) for values in found]
@@ -97,7 +100,7 @@ class _Regions:
         tip, top = int(x.argmin()), int(z.argmax())
         behind = np.arange(len(contour)) > top
         rear = int(np.where(behind, x, -np.inf).argmax())
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
+        along = chord_lengths(np.stack([x, z], axis=1))
         number = np.arange(len(contour))
         apex = tracked_nodes(speaker)["tip"]
         self._lines: dict[str, IntArray] = {

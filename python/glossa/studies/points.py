@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray
@@ -29,6 +31,14 @@ def tracked_nodes(speaker: Speaker) -> dict[str, int]:
         else:
             raise InputError(f"the speaker has neither a node set {name!r} nor a contour 'dorsum' to find it on")
     return found
+
+
+def hyoid_pose(posture: Posture) -> FloatArray:
+    """(3, 3) displacement (m), rotation vector (rad) and centre at rest (m) of a mobile hyoid; NaN without."""
+    pose = posture.hyoid
+    if pose is None:
+        return np.full((3, 3), math.nan)
+    return np.stack([pose.displacement, pose.rotation, pose.centre])
 
 
 def displacements_mm(posture: Posture) -> dict[str, FloatArray]:

@@ -103,8 +103,8 @@ def run_studies(
     )
     postures, reasons_of_vowels = _vowels(scene, lambda name: tell(f"Tables II and IV: /{name}/", None))
     formants, reasons_of_formants = _formants(postures)
-    effects = attempt("effects", "section III.A.1: single muscles", lambda: muscle_effects(scene))
-    muscles = attempt("muscles", "fig. 5: single muscles", lambda: single_muscles(scene)) or {}
+    muscles = attempt("muscles", "fig. 5: single muscles", lambda: single_muscles(scene))
+    effects = attempt("effects", "section III.A.1: single muscles", lambda: muscle_effects(scene, muscles))
     found_transversalis = attempt("transversalis", "section III.B: transversalis", lambda: transversalis(scene, VOWEL))
     found_gravity = attempt(
         "gravity",
@@ -114,7 +114,7 @@ def run_studies(
     return Runs(
         vowels=postures,
         formants=formants,
-        muscles=muscles,
+        muscles=muscles or {},
         effects=effects,
         transversalis=found_transversalis,
         sensitivity=found_sensitivity,

@@ -27,8 +27,7 @@ from glossa.errors import InputError
 from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies.acoustics import formant_table, vowel_tracts
-from glossa.studies.points import displacements_mm
-from glossa.studies.vowels import vowels
+from glossa.studies.vowels import posture_table, vowels
 
 log = logging.getLogger(__name__)
 
@@ -89,32 +88,14 @@ def _measured(r: int, speaker: Speaker, postures: Mapping[str, Posture]) -> tupl
     tracts, reasons = vowel_tracts(postures)
     for name, reason in reasons.items():
         log.warning("resolution %d, vowel %s: %s", r, name, reason)
-    table = formant_table(tracts).frequency if tracts else None
-    nothing = np.full(4, math.nan)
-    good = np.array([p.report is None or p.report.converged for p in postures.values()])
-    gap = np.where(good, 1.0, math.nan)
-    moved = np.stack([np.stack(list(displacements_mm(p).values())) for p in postures.values()])
-    forces = np.stack([p.forces.to_numpy() for p in postures.values()])
-    formants = [table.sel(tract=v).to_numpy() if table is not None and v in tracts else nothing for v in names]
-    reports = [p.report for p in postures.values()]
-    dataset = xr.Dataset(
-        {
-            "displacement": (("vowel", "point", "axis"), moved * gap[:, None, None], {"units": "mm"}),
-            "forces": (("vowel", "muscle"), forces * gap[:, None], {"units": "N"}),
-            "formants": (("vowel", "formant"), np.array(formants), {"units": "Hz"}),
-            "elements": len(speaker.hexahedra),
-            "iterations": (("vowel",), np.array([0 if q is None else q.iterations for q in reports])),
-            "seconds": (("vowel",), np.array([math.nan if q is None else q.seconds["total"] for q in reports])),
-        },
-        coords={
-            "resolution": r,
-            "vowel": names,
-            "point": ["tip", "dorsum"],
-            "axis": ["x", "z"],
-            "muscle": list(speaker.muscles),
-            "formant": np.arange(1, 5),
-        },
-    )
+    nothing = np.full((len(names), 4), math.nan)
+    found = formant_table(tracts).frequency.reindex(tract=names).to_numpy() if tracts else nothing
+    table = posture_table(postures).rename(posture="vowel")
+    dataset = table[["displacement", "forces", "iterations", "seconds"]].drop_attrs(deep=False)
+    dataset["formants"] = (("vowel", "formant"), found, {"units": "Hz"})
+    dataset["elements"] = len(speaker.hexahedra)
+    dataset = dataset.assign_coords(resolution=r, formant=np.arange(1, 5))
+    good = table.converged.to_numpy()
     shared = shared_nodes(r)
     return dataset, [
         p.positions[shared] if ok else p.positions[shared] * math.nan

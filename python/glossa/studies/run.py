@@ -233,7 +233,7 @@ def _check_shapes(speaker: Speaker, points: Sequence[Point]) -> None:
         for name, value in point.shape.items():
             if name not in known:
                 raise InputError(f"point {number}: unknown shape parameter {name!r}; there are {', '.join(known)}")
-            low, high = (limit - known[name].value for limit in known[name].limits)
+            low, high = known[name].room
             if not low <= value <= high:
                 raise InputError(f"point {number}: {name} must lie between {low:g} and {high:g}, got {value!r}")
     if Speaker.reference(built_in_resolution(speaker)).fingerprint != speaker.fingerprint:

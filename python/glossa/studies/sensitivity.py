@@ -15,7 +15,7 @@ from glossa import paper
 from glossa.anatomy.arrays import BoolArray, FloatArray
 from glossa.checks import finite_number
 from glossa.errors import InputError
-from glossa.motor.commands import VOWELS
+from glossa.motor.commands import VOWELS, vowel_commands
 from glossa.scene import Scene
 from glossa.studies.evaluation import CONVERGED
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES, midsagittal_nodes
@@ -44,7 +44,7 @@ def sensitivity_changes(vowel: str = "i") -> dict[str, tuple[float, ...]]:
     Raises:
         InputError: an unknown vowel.
     """
-    _known_vowel(vowel)
+    vowel_commands(vowel)
     forces = paper.forces().loc[vowel]
     stronger = tuple(change for change in CHANGES if change < 0.0)
     return {muscle: CHANGES if forces[muscle] > 0.0 else stronger for muscle in STUDIED_MUSCLES}
@@ -104,17 +104,12 @@ def sensitivity(
     return _arranged(found, again, runs, vowel, scene, start.positions)
 
 
-def _known_vowel(vowel: Any) -> None:
-    if vowel not in VOWELS:
-        raise InputError(f"unknown vowel {vowel!r}; Table III has {', '.join(VOWELS)}")
-
-
 def _listed(scene: Scene) -> str:
     return ", ".join(scene.speaker.muscles) or "none"
 
 
 def _checked_changes(vowel: str, changes: Changes) -> dict[str, tuple[float, ...]]:
-    _known_vowel(vowel)
+    vowel_commands(vowel)
     if changes is None:
         return sensitivity_changes(vowel)
     if not isinstance(changes, Mapping):

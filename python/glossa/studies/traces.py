@@ -12,6 +12,9 @@ from glossa.checks import positive_number
 from glossa.errors import InputError
 from glossa.results import Movement
 
+LATE = 0.050
+"""End of a movement in which it is told what still swings, s."""
+
 
 def even_times(until: float, interval: float) -> FloatArray:
     """Times from 0 to ``until`` (s), about ``interval`` (s) apart, both ends included.

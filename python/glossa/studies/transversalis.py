@@ -14,13 +14,14 @@ import xarray as xr
 
 from glossa.checks import positive_number
 from glossa.errors import InputError, SolveError
-from glossa.motor.commands import VOWELS, MotorCommands
-from glossa.results import Posture
+from glossa.motor.commands import MotorCommands, vowel_commands
 from glossa.scene import Scene
+from glossa.studies.acoustics import posture_formants
 from glossa.studies.failure import reason_of
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES, midsagittal_nodes
+from glossa.studies.points import hyoid_pose
+from glossa.studies.provenance import provenance
 from glossa.studies.shape_measures import midsagittal_area, muscle_stretch, widening
-from glossa.tract import area_function
 
 CONDITIONS: tuple[str, ...] = ("reflex", "silent", "voluntary")
 """The vowel's own command; no transversalis; a command below its length at rest."""
@@ -52,9 +53,7 @@ def transversalis(scene: Scene, vowel: str = "i", *, voluntary: float = VOLUNTAR
             that lacks a muscle or the contour.
         SolveInterrupted: Ctrl-C.
     """
-    if vowel not in VOWELS:
-        raise InputError(f"unknown vowel {vowel!r}; Table III has {', '.join(VOWELS)}")
-    own = VOWELS[vowel]
+    own = vowel_commands(vowel)
     if own[_MUSCLE] < 1.0:
         raise InputError(f"/{vowel}/ activates {_MUSCLE} voluntarily ({own[_MUSCLE]:g}); choose a vowel that does not")
     if positive_number(voluntary, "voluntary command") >= 1.0:
@@ -101,14 +100,7 @@ def transversalis(scene: Scene, vowel: str = "i", *, voluntary: float = VOLUNTAR
             "formant": [1, 2, 3, 4],
             "part": ["displacement", "rotation", "centre"],
         },
-        attrs={
-            "study": "transversalis",
-            "speaker": scene.speaker.name,
-            "speaker_fingerprint": scene.speaker.fingerprint,
-            "effects": ", ".join(scene.effects),
-            "vowel": vowel,
-            "voluntary": float(voluntary),
-        },
+        attrs=provenance(scene, "transversalis") | {"vowel": vowel, "voluntary": float(voluntary)},
     )
 
 
@@ -132,8 +124,7 @@ def _measured(scene: Scene, commands: MotorCommands, vowel: str, nodes: list[int
     except SolveError as error:
         return result | {"reason": reason_of(error)}
     moved = posture.displacements[nodes]
-    if posture.hyoid is not None:
-        result["hyoid"] = np.stack([posture.hyoid.displacement, posture.hyoid.rotation, posture.hyoid.centre])
+    formants, reason = posture_formants(posture, vowel)
     at_rest = midsagittal_area(speaker, speaker.nodes)
     return result | {
         "stretch": muscle_stretch(posture, _MUSCLE),
@@ -144,13 +135,7 @@ def _measured(scene: Scene, commands: MotorCommands, vowel: str, nodes: list[int
         "forces": posture.forces.to_numpy(),
         "positions": posture.positions,
         "converged": True,
-        **_formants(posture, vowel),
+        "hyoid": hyoid_pose(posture),
+        "formants": formants,
+        "reason": reason,
     }
-
-
-def _formants(posture: Posture, vowel: str) -> dict[str, Any]:
-    try:
-        found = area_function(posture, vowel).formants(4)
-    except InputError as error:
-        return {"reason": str(error)}
-    return {"formants": found.frequencies, "reason": found.reason}

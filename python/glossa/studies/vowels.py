@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from glossa.errors import InputError, SolveError
-from glossa.motor.commands import VOWELS
+from glossa.motor.commands import vowel_commands
 from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies.points import displacements_mm
@@ -33,14 +33,11 @@ def vowels(scene: Scene, names: Iterable[str] = ("i", "ə", "u", "a")) -> dict[s
         SolveError: a solve that failed without leaving a state.
         SolveInterrupted: Ctrl-C.
     """
-    wanted = list(names)
-    unknown = [name for name in wanted if name not in VOWELS]
-    if unknown:
-        raise InputError(f"unknown vowel {unknown[0]!r}; Table III has {', '.join(VOWELS)}")
+    commands = {name: vowel_commands(name) for name in names}
     postures: dict[str, Posture] = {}
-    for name in wanted:
+    for name, own in commands.items():
         try:
-            postures[name] = scene.equilibrate(VOWELS[name])
+            postures[name] = scene.equilibrate(own)
         except SolveError as error:
             if error.posture is None:
                 raise
