@@ -26,12 +26,13 @@ MADE_PACKAGE := $(VENV)/.made-package
 CPP_TEST_RUN := $(BUILD)/glossa_cpp_tests
 MADE_SANE    := $(SANE)/.made-package
 
-.PHONY: help vowels test lint sanitize bench build clean system
+.PHONY: help vowels test notebooks lint sanitize bench build clean system
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make vowels    install what is missing, build, print and plot the four vowels (vowels.png)"
-	@echo "make test      C++ and Python tests"
+	@echo "make test      C++ and Python tests, notebooks among them"
+	@echo "make notebooks run the notebooks at full settings and write their outputs"
 	@echo "make lint      ruff, clang-format and mypy"
 	@echo "make bench     benchmarks, with their tables"
 	@echo "make sanitize  C++ tests and fast Python tests under the address and undefined-behaviour sanitizers"
@@ -45,6 +46,9 @@ vowels: $(MADE_PACKAGE)
 test: $(CPP_TEST_RUN) $(MADE_DEV)
 	$(CPP_TEST_RUN)
 	$(PY) -m pytest -n auto --maxprocesses 8 --dist loadfile
+
+notebooks: $(MADE_PACKAGE) $(MADE_DEV)
+	$(PY) -m pytest notebooks --overwrite
 
 lint: $(MADE_PACKAGE) $(MADE_DEV)
 	$(VENV)/bin/ruff check .

@@ -31,8 +31,10 @@ def test_json_files_and_the_second_run(tmp_path: Path, capsys: pytest.CaptureFix
     ]
     first = result["points"][0]
     assert set(first) == {
-        "axes", "status", "reason", "forces_N", "formants_Hz", "displacement_mm", "iterations", "seconds",
+        "axes", "status", "reason", "forces_N", "formants_Hz", "displacement_mm", "started_from", "iterations",
+        "seconds",
     }  # fmt: skip
+    assert first["started_from"] == "start"
     assert 300.0 < first["formants_Hz"][0] < 800.0
     assert first["forces_N"]["MH"] > result["points"][2]["forces_N"]["MH"]
     with xr.open_dataset(saved, engine="h5netcdf") as opened:

@@ -14,13 +14,15 @@ from glossa.anatomy.plane_cut import plane_cut
 from glossa.figures import (
     delay_traces,
     dispersion,
+    formant_changes,
+    formant_dispersion,
     gravity_forces,
     gravity_shapes,
     saturation,
     transversalis,
 )
 from glossa.figures.midsagittal import outline_mm
-from glossa.studies import delay, dispersion_ellipse, gravity, midsagittal_nodes
+from glossa.studies import compared_changes, delay, dispersion_ellipse, gravity, midsagittal_nodes
 from glossa.studies import transversalis as run_transversalis
 from glossa.studies.sensitivity_summary import scatter
 
@@ -83,6 +85,31 @@ def test_formants_against_the_command_beside_table_6(runs: xr.Dataset) -> None:
         saturation(runs, "HG")
 
 
+def test_changes_of_formants_beside_table_6(runs: xr.Dataset) -> None:
+    table = compared_changes(runs)
+    for number, axes in enumerate(formant_changes(runs).axes, start=1):
+        drawn = {str(line.get_label()): line for line in axes.lines}
+        for muscle in ("GGa", "SL"):
+            rows = table.xs(muscle, level="muscle")
+            assert drawn[muscle].get_xdata() == pytest.approx(rows[f"paper_F{number}"].to_numpy())
+            assert drawn[muscle].get_ydata() == pytest.approx(rows[f"F{number}"].to_numpy())
+    with pytest.raises(InputError, match="Table VI has no runs"):
+        formant_changes(runs.assign_attrs(vowel="u"))
+
+
+def test_scatter_of_formants(runs: xr.Dataset) -> None:
+    figure = formant_dispersion(runs)
+    assert [axes.get_title() for axes in figure.axes[:2]] == ["glossa", "paper"]
+    for panel, number in ((0, 1), (2, 3)):
+        (ours,) = with_gid(figure, "runs:GGa", panel)
+        found = runs["formants"].sel(muscle="GGa").to_numpy()
+        expected = np.stack([found[:, 1], found[:, number - 1]])
+        assert np.array_equal(np.asarray(ours.get_data()), expected, equal_nan=True)  # type: ignore[attr-defined]
+    (theirs,) = with_gid(figure, "runs:Sty", 1)
+    assert np.asarray(theirs.get_ydata()) == pytest.approx(paper.sensitivity_i().loc["Sty"]["F1_Hz"].to_numpy())  # type: ignore[attr-defined]
+    assert len(formant_dispersion(runs.assign_attrs(vowel="u")).axes) == 2
+
+
 def test_shapes_upright_and_supine(weights: xr.Dataset, reference: Speaker) -> None:
     for moment in ("final", "static"):
         figure = gravity_shapes(weights, reference, moment=moment)
@@ -137,8 +164,9 @@ def test_another_study_or_speaker_is_refused(
     needs, other = "needs the result of", "another speaker"
     with pytest.raises(InputError, match=needs):
         dispersion(weights, reference)
-    with pytest.raises(InputError, match=needs):
-        saturation(weights)
+    for draw in (saturation, formant_changes, formant_dispersion):
+        with pytest.raises(InputError, match=needs):
+            draw(weights)
     with pytest.raises(InputError, match=needs):
         gravity_shapes(runs, reference)
     with pytest.raises(InputError, match=needs):

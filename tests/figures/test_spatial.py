@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpl_toolkits.mplot3d.art3d import Line3DCollection  # type: ignore[import-untyped]
 
 from glossa import InputError, Posture, Speaker
-from glossa.figures import muscles, surfaces
+from glossa.figures import cavity, frontal_views, muscles, surfaces
 from glossa.figures.facets import node_normals, quad_edges, rounded, view_frame
 from glossa.figures.interactive import view
-from glossa.figures.spatial import ANTERIOR, POSTERIOR
+from glossa.figures.spatial import ANTERIOR, FRONT, POSTERIOR
+from glossa.studies import rest_posture
 
 
 def sphere_quads() -> tuple[np.ndarray, np.ndarray]:
@@ -63,6 +65,39 @@ def test_surfaces_have_two_views_of_each_posture(postures: dict[str, Posture], t
         assert len(surface.get_facecolor()) > facets
     figure.savefig(tmp_path / "surfaces.png", dpi=40)
     assert (tmp_path / "surfaces.png").stat().st_size > 5_000
+
+
+def test_frontal_views_look_along_x_and_end_with_the_shape_at_rest(
+    postures: dict[str, Posture], tmp_path: Path
+) -> None:
+    right, up, towards = view_frame(*FRONT)
+    assert right == pytest.approx([0.0, -1.0, 0.0], abs=1e-12)
+    assert up == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+    assert towards == pytest.approx([-1.0, 0.0, 0.0], abs=1e-12)
+    figure = frontal_views(postures, columns=2)
+    assert [axes.get_title() for axes in figure.axes] == ["/i/", "/a/", "rest"]
+    assert [axes.get_title() for axes in frontal_views(postures, rest=False).axes] == ["/i/", "/a/"]
+    figure.savefig(tmp_path / "front.png", dpi=40)
+    assert (tmp_path / "front.png").stat().st_size > 5_000
+    with pytest.raises(InputError, match="at least one"):
+        frontal_views({})
+
+
+def test_the_cavity_holds_every_wall_hyoid_and_spring(reference: Speaker, tmp_path: Path) -> None:
+    figure = cavity(rest_posture(reference))
+    (axes,) = figure.axes
+    painted, springs = axes.collections
+    hyoid = reference.hyoid
+    assert hyoid is not None
+    assert hyoid.surface is not None
+    solids = [*reference.walls.values(), hyoid.surface]
+    count = len(reference.smooth_surface.triangulation()[1]) + sum(len(wall.triangles) for wall in solids)
+    assert len(painted.get_facecolor()) == count
+    assert springs.get_gid() == "springs"
+    figure.savefig(tmp_path / "cavity.png", dpi=40)
+    assert isinstance(springs, Line3DCollection)
+    assert len(springs.get_segments()) == len(hyoid.springs)
+    assert (tmp_path / "cavity.png").stat().st_size > 5_000
 
 
 def test_muscles_have_a_panel_each_with_fibres_and_ends(tmp_path: Path) -> None:

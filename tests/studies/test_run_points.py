@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 import logging
 import pickle
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,6 +24,7 @@ from glossa import (
     Damping,
     InputError,
     Lips,
+    Posture,
     Reflex,
     Scene,
     SolveError,
@@ -160,6 +165,69 @@ def test_every_point_starts_from_the_same_posture(scene: Scene) -> None:
     assert result.attrs["start"] == "posture"
 
 
+def inside_out(scene: Scene) -> Posture:
+    """A posture that no solve can start from."""
+    good = scene.equilibrate({"upper": 0.8})
+    return replace(good, positions=good.positions * [-1.0, 1.0, 1.0])
+
+
+def test_points_that_fail_from_the_start_are_solved_from_rest(scene: Scene, tmp_path: Path) -> None:
+    start, points = inside_out(scene), commands(3)
+    with pytest.raises(SolveError):
+        scene.equilibrate(points[0].commands, start=start)
+    result, cold = run_points(scene, points, start=start), run_points(scene, points)
+    assert result["status"].to_numpy().tolist() == ["converged"] * 3
+    assert result["started"].to_numpy().tolist() == cold["started"].to_numpy().tolist() == ["rest"] * 3
+    assert result["forces"].to_numpy().tolist() == cold["forces"].to_numpy().tolist()
+    warm = run_points(scene, points, start=scene.equilibrate({"upper": 0.8}))
+    assert warm["started"].to_numpy().tolist() == ["start"] * 3
+    store = tmp_path / "s.study"
+    with ThreadPoolExecutor(1) as pool:
+        same(run_points(scene, points, start=start, store=store, executor=pool), result)
+    same(open_study(store), result)
+
+
+def test_a_resumed_study_does_not_repeat_what_was_solved_from_rest(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start, points, store = inside_out(scene), commands(4), tmp_path / "s.study"
+    solve, solved = Scene.equilibrate, []
+
+    def note(self: Scene, given: Any, **options: Any) -> Any:
+        solved.append((given["upper"], "rest" if options["start"] is None else "start"))
+        return solve(self, given, **options)
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Scene, "equilibrate", note)
+    with pytest.raises(SolveInterrupted):
+        run_points(scene, points, start=start, store=store, progress=after(2, stop))
+    run_points(scene, points, start=start, store=store)
+    assert solved == [(point.commands["upper"], where) for point in points for where in ("start", "rest")]
+
+
+def test_both_solves_of_a_point_are_counted(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    start, points = scene.equilibrate({"upper": 0.8}), commands(2)
+    cold = run_points(scene, points)
+    solve = Scene.equilibrate
+
+    def fail_warm(self: Scene, given: Any, *, start: Any = None, **options: Any) -> Any:
+        if start is not None:
+            time.sleep(0.05)
+            raise SolveError("no way from here", status="stalled", report=SimpleNamespace(iterations=70))
+        if given["upper"] > 0.9:
+            raise SolveError("nor from rest; .posture is the last good state", status="iteration_limit")
+        return solve(self, given, start=start, **options)
+
+    monkeypatch.setattr(Scene, "equilibrate", fail_warm)
+    result = run_points(scene, points, start=start)
+    assert result["iterations"].to_numpy().tolist() == [70 + cold["iterations"][0].item(), 70]
+    assert (result["seconds"] > 0.05).all()
+    assert result["status"].to_numpy().tolist() == ["converged", "iteration_limit"]
+    assert result["reason"].to_numpy().tolist() == ["", "nor from rest"]
+
+
 def test_failed_points_stay_with_their_reason(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
     points = [
         Point(commands={"upper": 0.9}),
@@ -173,6 +241,7 @@ def test_failed_points_stay_with_their_reason(scene: Scene, caplog: pytest.LogCa
     assert status[0] == status[3] == "converged"
     assert status[1] in ("iteration_limit", "stalled", "inverted", "indefinite")
     assert status[2] == "refused"
+    assert result["started"].to_numpy().tolist() == ["rest", "rest", "", "rest"]
     assert "no equilibrium" in result["reason"][1].item()
     assert ".posture" not in result["reason"][1].item()
     assert "no hyoid bone" in result["reason"][2].item()

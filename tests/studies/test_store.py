@@ -114,7 +114,7 @@ database.execute("PRAGMA cache_size=1")
 database.execute("BEGIN IMMEDIATE")
 database.execute("UPDATE record SET reason = 'never'")
 for k in range(100, 300):
-    database.execute("INSERT INTO record VALUES (?, '', '', '', 0, 0, '', 0, zeroblob(3000), 0)", (k,))
+    database.execute("INSERT INTO record VALUES (?, '', '', '', '', 0, 0, '', 0, zeroblob(3000), 0)", (k,))
 os.kill(os.getpid(), signal.SIGKILL)
 """
     before = half.read_bytes()
@@ -248,7 +248,7 @@ def _foreign(path: Path) -> None:
 
 def _other_format(path: Path) -> None:
     database = sqlite3.connect(path)
-    database.execute("PRAGMA user_version=2")
+    database.execute("PRAGMA user_version=99")
     database.close()
 
 
@@ -295,7 +295,7 @@ def _missing_entry(path: Path) -> None:
     [
         (_text, "is no store of a study, or damaged"),
         (_foreign, "is no store of a study"),
-        (_other_format, "has format 2"),
+        (_other_format, "has format 99"),
         (_truncated, "damaged"),
         (_short, "damaged"),
         (_changed_number, r"damaged \(point 1\)"),

@@ -73,6 +73,17 @@ def test_the_columns_leave_out_the_midplane_and_are_symmetric() -> None:
     assert np.diff(row) == pytest.approx(np.diff(row)[0])
 
 
+def test_a_single_column_of_a_slit_has_no_area() -> None:
+    """Seen in a /u/: what is left in front of a narrow channel, in a slit that goes on at both sides."""
+    row = np.linspace(-0.01, 0.01, 21)
+    gap = np.full(21, 1e-5)
+    shape, at_end = contour(Channel(10, 10, reached=False), row, gap, np.zeros(21), np.array([-0.01, 0.01]), 0)
+    assert shape.is_empty
+    assert not at_end
+    two, _ = contour(Channel(10, 11, reached=False), row, gap, np.zeros(21), np.array([-0.01, 0.01]), 0)
+    assert two.area == pytest.approx(1e-5 * 0.001)
+
+
 def test_a_contour_between_half_ellipses_has_their_area() -> None:
     a, b = 8e-3, 3e-3
     row = column_row(10e-3)

@@ -22,6 +22,7 @@ from glossa.palatogram import palatogram
 from glossa.results import Movement, Posture
 from glossa.scene import Scene
 from glossa.studies import contact_over_time, contact_table, displacements_mm, tracked_nodes
+from glossa.studies.failure import reason_of
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
@@ -35,18 +36,18 @@ def guarded(command: Callable[_Parameters, _Result]) -> Callable[_Parameters, _R
         try:
             return command(*args, **options)
         except SolveError as error:
-            raise failure(str(error), 1) from error
+            raise failure(reason_of(error), 1) from error
         except (InputError, ImportError, OSError) as error:
             raise failure(str(error), 2) from error
         except KeyboardInterrupt as stop:
-            raise failure(str(stop) or "interrupted", 130) from stop
+            raise failure(reason_of(stop) or "interrupted", 130) from stop
 
     return run
 
 
 def failure(message: str, code: int) -> typer.Exit:
-    """Say what went wrong, without what only Python code can reach (".posture holds ..."); the exit to raise."""
-    say(" ".join(message.split("; .", 1)[0].split()))
+    """Say what went wrong in one line; the exit to raise."""
+    say(" ".join(message.split()))
     return typer.Exit(code)
 
 

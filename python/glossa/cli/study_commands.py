@@ -66,7 +66,9 @@ def sweep_command(
         int | None, typer.Option("--random", metavar="N", help="N random points in place of a grid.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", metavar="SEED", help="Of --latin and --random.")] = None,
-    warm: Annotated[bool, typer.Option("--warm", help="Start from the base's posture in place of rest.")] = False,
+    warm: Annotated[
+        bool, typer.Option("--warm", help="Start from the base's posture, and from rest where that fails.")
+    ] = False,
     store: StoreOption = None,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Compute points again that failed in an earlier run.")
@@ -203,6 +205,7 @@ def _row_json(row: xr.Dataset, design: Design) -> dict[str, Any]:
         "displacement_mm": {
             name: [output.number(value, 6) for value in pair] for name, pair in zip(nodes, moved.tolist(), strict=True)
         },
+        "started_from": str(row["started"].item()),
         "iterations": int(row["iterations"]),
         "seconds": output.number(float(row["seconds"]), 6),
     }

@@ -1,4 +1,4 @@
-"""Pictures in three dimensions: tongue surfaces (as fig. 7) and muscles (as fig. 1)."""
+"""Pictures in three dimensions: muscles (as fig. 1) and tongue surfaces (as figs 6 and 7)."""
 
 from __future__ import annotations
 
@@ -19,12 +19,16 @@ from glossa.figures import style
 from glossa.figures.facets import depth_fade, node_normals, quad_edges, rounded, shades, view_frame
 from glossa.figures.midsagittal import one_speaker
 from glossa.results import Posture
+from glossa.studies.rest import rest_posture
 
 ANTERIOR = (24.0, -128.0)
 """Elevation and azimuth in degrees of the anterior oblique view; tongue tip on the left."""
 
 POSTERIOR = (24.0, -38.0)
 """The posterior oblique view."""
+
+FRONT = (0.0, 180.0)
+"""From the front, seen along x; the tongue's right side on the left."""
 
 DIVISIONS = 3
 """Pieces along each side of a surface quad, for round shapes and smooth shading."""
@@ -49,12 +53,31 @@ def surfaces(postures: Mapping[str, Posture]) -> Figure:
     colours = style.colours_of(postures)
     for column, (name, posture) in enumerate(postures.items()):
         for row, (view, words) in enumerate(((ANTERIOR, "anterior"), (POSTERIOR, "posterior"))):
-            axes = _axes(sheet, (2, len(postures), row * len(postures) + column + 1), view, box)
+            axes = spatial_axes(sheet, (2, len(postures), row * len(postures) + column + 1), view, box)
             draw_surface(axes, posture.speaker.surface_quads, posture.positions, colour=style.TISSUE, view=view)
             if row == 0:
                 axes.set_title(style.title_of(name), color=colours[name], pad=-4)
             if column == 0:
                 axes.text2D(0.02, 0.02, f"{words} oblique", transform=axes.transAxes, fontsize=8, color=style.WALL)
+    return sheet
+
+
+@style.styled
+def frontal_views(postures: Mapping[str, Posture], *, columns: int = 4, rest: bool = True) -> Figure:
+    """Shaded tongue surfaces from the front, a panel for each posture, on one scale; the shape at rest last.
+
+    Raises:
+        InputError: no posture, or several speakers.
+    """
+    speaker = one_speaker(postures)
+    shown = {**postures, "rest": rest_posture(speaker)} if rest else dict(postures)
+    box = _box(np.concatenate([_body(posture) for posture in shown.values()]))
+    rows = -(-len(shown) // columns)
+    sheet = style.new_sheet(2.2 * columns, 2.3 * rows)
+    for number, (name, posture) in enumerate(shown.items(), start=1):
+        axes = spatial_axes(sheet, (rows, columns, number), FRONT, box)
+        draw_surface(axes, speaker.surface_quads, posture.positions, colour=style.TISSUE, view=FRONT)
+        axes.set_title(style.title_of(name), pad=-4)
     return sheet
 
 
@@ -71,7 +94,7 @@ def muscles(speaker: Speaker, *, columns: int = 4) -> Figure:
     box = _box(speaker.nodes)
     sheet = style.new_sheet(2.6 * columns, 2.2 * rows)
     for number, name in enumerate(speaker.muscles, start=1):
-        axes = _axes(sheet, (rows, columns, number), ANTERIOR, box, zoom=1.32)
+        axes = spatial_axes(sheet, (rows, columns, number), ANTERIOR, box, zoom=1.32)
         draw_muscle(axes, speaker, name)
         axes.set_title(name, loc="left", pad=-14)
     last = sheet.add_subplot(rows, columns, len(speaker.muscles) + 1)
@@ -133,9 +156,10 @@ def _box(points: FloatArray) -> FloatArray:
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def _axes(
+def spatial_axes(
     sheet: Figure, place: tuple[int, int, int], view: tuple[float, float], box: FloatArray, zoom: float = 1.4
 ) -> Axes3D:
+    """Axes without frame at a place (rows, columns, number) of a sheet, for what lies in ``box`` (2, 3), m."""
     axes = sheet.add_subplot(*place, projection="3d", computed_zorder=False)
     assert isinstance(axes, Axes3D)
     axes.set_proj_type("ortho")

@@ -3,6 +3,7 @@
 from glossa.studies.acoustics import formant_table, movement_tracts, vowel_tracts
 from glossa.studies.contact import contact_over_time, contact_table
 from glossa.studies.costs import effect_costs
+from glossa.studies.damping_ratio import damping_ratio
 from glossa.studies.delay import delay
 from glossa.studies.designs import Design, grid, latin_hypercube, monte_carlo
 from glossa.studies.dispersion import Ellipse, dispersion_ellipse
@@ -20,6 +21,7 @@ from glossa.studies.sensitivity_summary import compared_changes, sensitivity_sum
 from glossa.studies.single_muscle import single_muscle, single_muscle_command, single_muscles
 from glossa.studies.study_dataset import open_study
 from glossa.studies.sweep import as_grid, sweep
+from glossa.studies.tissue_laws import stress_strain
 from glossa.studies.transversalis import transversalis
 from glossa.studies.vowels import posture_table, vowels
 
@@ -34,6 +36,7 @@ __all__ = [
     "compared_changes",
     "contact_over_time",
     "contact_table",
+    "damping_ratio",
     "delay",
     "dispersion_ellipse",
     "displacements_mm",
@@ -62,6 +65,7 @@ __all__ = [
     "single_muscle",
     "single_muscle_command",
     "single_muscles",
+    "stress_strain",
     "sweep",
     "tracked_nodes",
     "transversalis",

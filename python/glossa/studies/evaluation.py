@@ -26,6 +26,7 @@ from glossa.anatomy.speaker import Speaker
 from glossa.errors import InputError, SolveError
 from glossa.results import Posture
 from glossa.scene import Scene
+from glossa.studies.failure import reason_of
 from glossa.studies.measurement import Layout, heard, measured
 from glossa.studies.study_point import Point, canonical
 from glossa.tract import area_function
@@ -39,6 +40,9 @@ ERROR = "error"
 """Status of a point at which something failed that should not."""
 LOST = "lost"
 """Status of a point whose workers died, again and again."""
+
+START, REST = "start", "rest"
+"""Where the solve that a record tells of began: the study's posture, or rest."""
 
 _STUDIES, _SCENES, _SPEAKERS = 2, 4, 2  # kept by a thread
 _HEXAHEDRA = 768  # of the built-in speaker at resolution 1
@@ -54,7 +58,8 @@ class Record:
             "error"; "lost".
         reason: why it has not converged, else empty.
         acoustic_reason: why formants are missing, else empty.
-        iterations: Newton iterations.
+        started: :data:`START` or :data:`REST`; empty where nothing was solved.
+        iterations: Newton iterations, of both solves where the first had failed.
         seconds: all it took, speaker and scene included where they had to be made.
         worker: host and process.
         finished: s since 1970.
@@ -65,6 +70,7 @@ class Record:
     status: str
     reason: str
     acoustic_reason: str
+    started: str
     iterations: int
     seconds: float
     worker: str
@@ -123,8 +129,23 @@ class _Few(OrderedDict[Hashable, Any]):
         return value
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Solved:
+    """An equilibrium, or why there is none; the rest as in :class:`Record`."""
+
+    posture: Posture | None
+    status: str
+    reason: str
+    started: str
+    iterations: int
+
+
 class Bench:
-    """Computes points of one study, in one thread."""
+    """Computes points of one study, in one thread.
+
+    A point that fails from the study's posture is solved again from rest: friction and folds at the teeth make a few
+    starts lead nowhere that others do not.
+    """
 
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
@@ -138,18 +159,16 @@ class Bench:
             SolveInterrupted, KeyboardInterrupt: Ctrl-C.
         """
         begin = time.perf_counter()
-        status, reason, acoustic_reason, iterations = CONVERGED, "", "", 0
+        status, reason, acoustic_reason, started, iterations = CONVERGED, "", "", "", 0
         values: dict[str, FloatArray] = {}
         try:
-            posture = self._scene(point).equilibrate(point.commands, start=self._setup.start)
-            iterations = 0 if posture.report is None else posture.report.iterations
-            values = measured(posture, positions=self._setup.positions)
-            if point.lips is not None:
-                sound, acoustic_reason = _sound(posture, point)
-                values |= sound
-        except SolveError as error:
-            status, reason = error.status, str(error).split("; .posture", 1)[0]
-            iterations = 0 if error.report is None else error.report.iterations
+            solved = self._solved(point)
+            status, reason, started, iterations = solved.status, solved.reason, solved.started, solved.iterations
+            if solved.posture is not None:
+                values = measured(solved.posture, positions=self._setup.positions)
+                if point.lips is not None:
+                    sound, acoustic_reason = _sound(solved.posture, point)
+                    values |= sound
         except InputError as error:
             status, reason = REFUSED, str(error)
         except Exception as error:  # a study of thousands outlives what nobody thought of
@@ -160,12 +179,24 @@ class Bench:
             status=status,
             reason=reason,
             acoustic_reason=acoustic_reason,
+            started=started,
             iterations=iterations,
             seconds=time.perf_counter() - begin,
             worker=this_worker(),
             finished=time.time(),
             values=self._layout.flat(values),
         )
+
+    def _solved(self, point: Point) -> _Solved:
+        """The equilibrium from the study's posture, else from rest; if both fail, what the solve from rest says."""
+        scene, iterations = self._scene(point), 0
+        if self._setup.start is not None:
+            first = _attempt(scene, point, self._setup.start)
+            if first.posture is not None:
+                return first
+            iterations = first.iterations
+        last = _attempt(scene, point, None)
+        return replace(last, iterations=iterations + last.iterations)
 
     def _scene(self, point: Point) -> Scene:
         base = self._setup.scene
@@ -182,12 +213,25 @@ class Bench:
         return self._scenes.get_or_make(scene_key(point), make)
 
 
+def _attempt(scene: Scene, point: Point, start: Posture | None) -> _Solved:
+    started = REST if start is None else START
+    try:
+        posture = scene.equilibrate(point.commands, start=start)
+    except SolveError as error:
+        iterations = 0 if error.report is None else error.report.iterations
+        return _Solved(
+            posture=None, status=error.status, reason=reason_of(error), started=started, iterations=iterations
+        )
+    iterations = 0 if posture.report is None else posture.report.iterations
+    return _Solved(posture=posture, status=CONVERGED, reason="", started=started, iterations=iterations)
+
+
 def _sound(posture: Posture, point: Point) -> tuple[dict[str, FloatArray], str]:
     """What is heard; and why formants are missing: an open tract, or damping."""
     try:
         return heard(area_function(posture, point.lips))
-    except InputError as error:
-        return {}, str(error)
+    except (InputError, SolveError) as error:
+        return {}, reason_of(error)
 
 
 def scene_key(point: Point) -> str:
@@ -255,6 +299,7 @@ def lost(number: int, reason: str, layout: Layout) -> Record:
         status=LOST,
         reason=reason,
         acoustic_reason="",
+        started="",
         iterations=0,
         seconds=float("nan"),
         worker="",

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from glossa.errors import SolveError
 
-
-def reason_of(error: SolveError) -> str:
-    """The message without what only the exception holds (".posture is the last good state ...")."""
+def reason_of(error: BaseException) -> str:
+    """The message without what only Python code can reach in the exception (".posture is the last good state ...")."""
     return str(error).split("; .", 1)[0]

@@ -21,6 +21,7 @@ from glossa.motor.commands import MUSCLES, VOWELS
 from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies.acoustics import vowel_tracts
+from glossa.studies.failure import reason_of
 from glossa.studies.gravity import CARDINALS, gravity
 from glossa.studies.muscle_effects import muscle_effects
 from glossa.studies.run import Progress
@@ -88,7 +89,7 @@ def run_studies(
         try:
             return study()
         except SolveError as error:
-            reasons[name] = str(error)
+            reasons[name] = reason_of(error)
             return None
 
     def tell_of_gravity(which: str) -> None:
@@ -158,7 +159,7 @@ def _vowels(scene: Scene, tell: Callable[[str], object]) -> tuple[dict[str, Post
         try:
             posture = vowels(scene, [name])[name]
         except SolveError as error:
-            reasons[f"vowels {name}"] = str(error)
+            reasons[f"vowels {name}"] = reason_of(error)
             continue
         if posture.report is None or posture.report.converged:
             postures[name] = posture
@@ -175,7 +176,7 @@ def _formants(postures: dict[str, Posture]) -> tuple[dict[str, Formants], dict[s
         try:
             found[name] = tract.formants(4)
         except SolveError as error:
-            reasons[f"formants {name}"] = str(error)
+            reasons[f"formants {name}"] = reason_of(error)
     return found, reasons
 
 

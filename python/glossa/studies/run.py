@@ -83,8 +83,8 @@ def run_points(
 ) -> xr.Dataset:
     """The equilibrium of every point, and its formants where it has lips.
 
-    Each point starts from the same posture, so that results have the same bits in any order, on any worker (of the same
-    kind of processor: see the attribute ``kernel``), in one run or several.
+    Each point starts from the same posture, and from rest if it fails from there, so that results have the same bits in
+    any order, on any worker (of the same kind of processor: see the attribute ``kernel``), in one run or several.
 
     Args:
         scene: what points share; their ``scene`` and ``shape`` change it.
@@ -103,7 +103,8 @@ def run_points(
     Returns:
         Dataset over ``point`` (and ``muscle``, ``node``, ``axis``, ``formant``, ``wall``), labels as coordinates:
         ``status`` ("converged"; a status of :class:`glossa.SolveReport`; "refused": no such speaker or scene; "error";
-        "lost": its workers died), ``reason``, ``acoustic_reason``, ``iterations``, ``seconds``, ``worker``;
+        "lost": its workers died), ``reason``, ``acoustic_reason``, ``started`` (from the "start" given or from "rest";
+        empty: nothing was solved), ``iterations`` and ``seconds`` (of both solves where the first failed), ``worker``;
         ``forces`` N, ``displacement`` m of the six midsagittal nodes, ``formants`` and ``bandwidths`` Hz,
         ``tract_length`` m, ``contact_area`` m2, ``contact_force`` N, ``hyoid_displacement`` m, ``commands``, lips.
         Points that failed are there, with NaN. Attributes: provenance.

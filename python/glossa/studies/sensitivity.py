@@ -12,12 +12,12 @@ import numpy as np
 import xarray as xr
 
 from glossa import paper
-from glossa.anatomy.arrays import BoolArray, FloatArray
+from glossa.anatomy.arrays import FloatArray
 from glossa.checks import finite_number
 from glossa.errors import InputError
 from glossa.motor.commands import VOWELS, vowel_commands
 from glossa.scene import Scene
-from glossa.studies.evaluation import CONVERGED
+from glossa.studies.evaluation import CONVERGED, START
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES, midsagittal_nodes
 from glossa.studies.run import run_points
 from glossa.studies.study_point import Point
@@ -61,24 +61,24 @@ def sensitivity(
 ) -> xr.Dataset:
     """Equilibria of a vowel with one motor command changed at a time, started from the vowel's own posture.
 
-    A run that fails from there is repeated from rest.
+    A run that fails from there is repeated from rest, as in :func:`glossa.studies.run_points`.
 
     Args:
         scene: of a speaker with walls and the muscles of Table III; the paper's has upright gravity and contact.
         vowel: of Table III; the lips are those of Table IV throughout.
         changes: in percent of the command, of all of :data:`STUDIED_MUSCLES`, or by muscle; None:
             :func:`sensitivity_changes`.
-        store: file that keeps finished runs, as for :func:`glossa.studies.run_points`; not those repeated from rest.
+        store: file that keeps finished runs, as for :func:`glossa.studies.run_points`.
         executor: as for :func:`glossa.studies.run_points`.
         progress: as for :func:`glossa.studies.run_points`.
 
     Returns:
         Over ``muscle`` (whose command is changed) and ``change`` (percent): ``formants (…, formant)`` Hz, ``nodes
         (…, node, axis)`` positions of the six midsagittal nodes in m, ``displacement`` of the same from the vowel's, m,
-        ``forces (…, acting)`` N, ``asked``, ``converged``, ``reason``, ``started`` (from the "vowel" or from "rest"),
-        ``iterations``, ``seconds``. A run that failed, or has no formants, has NaN there and says why in ``reason``;
-        ``asked`` is False where nothing was to be run. For the vowel itself: ``vowel_formants``, ``vowel_nodes``,
-        ``vowel_forces``, and ``vowel_positions (vertex, axis)`` of every node, m.
+        ``forces (…, acting)`` N, ``asked``, ``converged``, ``reason``, ``started`` (from the "vowel" or from "rest";
+        empty: not solved), ``iterations``, ``seconds``. A run that failed, or has no formants, has NaN there and says
+        why in ``reason``; ``asked`` is False where nothing was to be run. For the vowel itself: ``vowel_formants``,
+        ``vowel_nodes``, ``vowel_forces``, and ``vowel_positions (vertex, axis)`` of every node, m.
 
     Raises:
         InputError: an unknown vowel or muscle, impossible changes, no walls, or as :func:`glossa.studies.run_points`.
@@ -100,8 +100,7 @@ def sensitivity(
     ]
     start = scene.equilibrate(own)
     found = run_points(scene, points, store=store, executor=executor, start=start, progress=progress)
-    found, again = _again_from_rest(found, scene, points, executor)
-    return _arranged(found, again, runs, vowel, scene, start.positions)
+    return _arranged(found, runs, vowel, scene, start.positions)
 
 
 def _listed(scene: Scene) -> str:
@@ -134,29 +133,8 @@ def _percents(muscle: str, changes: Sequence[float]) -> tuple[float, ...]:
     return values
 
 
-def _again_from_rest(
-    found: xr.Dataset, scene: Scene, points: Sequence[Point], executor: Executor | None
-) -> tuple[xr.Dataset, BoolArray]:
-    """Results in which those of points that failed from the vowel's posture are those from rest; and which these are.
-
-    Friction and folds at the teeth make a few starts lead nowhere that others do not.
-    """
-    failed = found["status"].to_numpy() != CONVERGED
-    numbers = np.flatnonzero(failed)
-    if not len(numbers):
-        return found, failed
-    repeated = run_points(scene, [points[number] for number in numbers.tolist()], executor=executor)
-    merged = found.copy(deep=True)
-    for name in merged.data_vars:
-        if "point" in merged[name].dims:
-            merged[name][{"point": numbers}] = repeated[name].to_numpy()
-    merged["seconds"] = merged["seconds"] + found["seconds"].where(failed, 0.0)
-    return merged, failed
-
-
 def _arranged(
     found: xr.Dataset,
-    again: BoolArray,
     runs: Sequence[tuple[str, float]],
     vowel: str,
     scene: Scene,
@@ -180,6 +158,7 @@ def _arranged(
 
     run = ("muscle", "change")
     reasons = np.char.add(found["reason"].to_numpy().astype(str), found["acoustic_reason"].to_numpy().astype(str))
+    started = found["started"].to_numpy()
     nodes, formants, forces = rest + moved, found["formants"].to_numpy(), found["forces"].to_numpy()
     return xr.Dataset(
         {
@@ -190,7 +169,7 @@ def _arranged(
             "asked": (run, asked),
             "converged": (run, table(found["status"].to_numpy() == CONVERGED, False)),
             "reason": (run, table(reasons.astype(object), "")),
-            "started": (run, table(np.where(again, "rest", "vowel").astype(object), "")),
+            "started": (run, table(np.where(started == START, "vowel", started), "")),
             "iterations": (run, table(found["iterations"].to_numpy(), 0)),
             "seconds": (run, table(found["seconds"].to_numpy(), math.nan), {"units": "s"}),
             "vowel_formants": (("formant",), formants[0], {"units": "Hz"}),

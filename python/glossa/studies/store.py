@@ -24,7 +24,7 @@ from glossa.errors import InputError
 from glossa.studies.evaluation import Record
 
 APPLICATION = 0x474C5354  # "GLST"
-FORMAT = 1
+FORMAT = 2
 
 _DOUBLES = np.dtype("<f8")
 _WAIT = 30.0  # s for a reader to finish
@@ -33,11 +33,11 @@ _TABLES = """
 CREATE TABLE header (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE record (
     number INTEGER PRIMARY KEY, status TEXT NOT NULL, reason TEXT NOT NULL, acoustic_reason TEXT NOT NULL,
-    iterations INTEGER NOT NULL, seconds REAL, worker TEXT NOT NULL, finished REAL NOT NULL, doubles BLOB NOT NULL,
-    checksum INTEGER NOT NULL
+    started TEXT NOT NULL, iterations INTEGER NOT NULL, seconds REAL, worker TEXT NOT NULL, finished REAL NOT NULL,
+    doubles BLOB NOT NULL, checksum INTEGER NOT NULL
 );
 """
-_COLUMNS = "number, status, reason, acoustic_reason, iterations, seconds, worker, finished, doubles, checksum"
+_COLUMNS = "number, status, reason, acoustic_reason, started, iterations, seconds, worker, finished, doubles, checksum"
 
 COMPARED = {
     "speaker_fingerprint": "belongs to another speaker",
@@ -120,7 +120,7 @@ class Store:
         rows = [_row(record) for record in records]
         try:
             database.execute("BEGIN IMMEDIATE")
-            database.executemany(f"INSERT OR REPLACE INTO record ({_COLUMNS}) VALUES ({','.join('?' * 10)})", rows)
+            database.executemany(f"INSERT OR REPLACE INTO record ({_COLUMNS}) VALUES ({','.join('?' * 11)})", rows)
             database.execute("COMMIT")
         except BaseException as error:
             if database.in_transaction:
@@ -305,6 +305,7 @@ def _row(record: Record) -> tuple[Any, ...]:
         record.status,
         record.reason,
         record.acoustic_reason,
+        record.started,
         record.iterations,
         record.seconds,
         record.worker,
@@ -315,7 +316,8 @@ def _row(record: Record) -> tuple[Any, ...]:
 
 
 def _checksum(row: tuple[Any, ...]) -> int:
-    return zlib.crc32(row[8], zlib.crc32(repr((*row[:5], *row[6:8])).encode()))
+    """Of a row without it; of NaN, which SQLite does not keep, nothing: seconds are left out."""
+    return zlib.crc32(row[9], zlib.crc32(repr((*row[:6], *row[7:9])).encode()))
 
 
 def read_records(database: sqlite3.Connection, path: Path) -> list[Record]:
@@ -328,13 +330,14 @@ def read_records(database: sqlite3.Connection, path: Path) -> list[Record]:
     for *row, checksum in database.execute(f"SELECT {_COLUMNS} FROM record ORDER BY number"):
         if _checksum(tuple(row)) != checksum:
             raise InputError(f"store {path} is damaged (point {row[0]}); nothing was changed")
-        number, status, reason, acoustic_reason, iterations, seconds, worker, finished, doubles = row
+        number, status, reason, acoustic_reason, started, iterations, seconds, worker, finished, doubles = row
         records.append(
             Record(
                 number=number,
                 status=status,
                 reason=reason,
                 acoustic_reason=acoustic_reason,
+                started=started,
                 iterations=iterations,
                 seconds=float("nan") if seconds is None else seconds,  # SQLite has no NaN
                 worker=worker,

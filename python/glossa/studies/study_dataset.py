@@ -26,6 +26,7 @@ _OF_POINTS = (
     "status",
     "reason",
     "acoustic_reason",
+    "started",
     "iterations",
     "seconds",
     "worker",
@@ -108,7 +109,7 @@ def _bookkeeping(found: Mapping[int, Record], count: int) -> dict[str, Any]:
     def column(name: str, missing: Any) -> list[Any]:
         return [getattr(found[k], name) if k in found else missing for k in range(count)]
 
-    words = {"status": UNFINISHED, "reason": "", "acoustic_reason": "", "worker": ""}
+    words = {"status": UNFINISHED, "reason": "", "acoustic_reason": "", "started": "", "worker": ""}
     texts = {name: (("point",), np.array(column(name, missing), dtype=object)) for name, missing in words.items()}
     return {
         **texts,

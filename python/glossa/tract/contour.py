@@ -24,7 +24,8 @@ def contour(
     """Polygon in coordinates (y, t) of one channel, and whether it reaches a lateral end.
 
     A channel includes up to ``spread`` columns on either side whose gap is below the barrier: the edge of a wedge. It
-    is closed where the gap ends, at the lateral end, or else by a straight line across the slit that goes on.
+    is closed where the gap ends, at the lateral end, or else by a straight line across the slit that goes on; empty
+    where that leaves a single column.
 
     Args:
         channel: its columns.
@@ -42,6 +43,8 @@ def contour(
     top = np.concatenate([left[0][:, 1], outer[kept], right[0][:, 1]])
     bottom = np.concatenate([left[0][:, 2], inner[kept], right[0][:, 2]])
     ring = np.concatenate([np.stack([y, bottom], axis=1), np.stack([y, top], axis=1)[::-1]])
+    if len(y) < 2:  # a single column of a slit that goes on at both sides has no width
+        return shapely.Polygon(), False
     return shapely.Polygon(ring), at_left or at_right
 
 
