@@ -108,8 +108,9 @@ std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& he
     const auto [delay, gain] = given["reflex"].cast<std::pair<double, double>>();
     options.reflex = Reflex{delay, gain};
   }
-  const auto [alpha, beta] = given["damping"].cast<std::pair<double, double>>();
-  options.damping = {alpha, beta};
+  const auto [alpha, beta, law] = given["damping"].cast<std::tuple<double, double, std::string>>();
+  require(law == "material" || law == "tangent", "damping law must be material or tangent, got " + law);
+  options.damping = {alpha, beta, law == "material" ? DampingLaw::material : DampingLaw::tangent};
   if (!given["gravity"].is_none()) {
     const auto g = given["gravity"].cast<std::array<double, 3>>();
     options.gravity = Vector3(g[0], g[1], g[2]);

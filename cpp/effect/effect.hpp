@@ -12,15 +12,18 @@ namespace glossa {
 /// The state at which effects are evaluated, and how a time integrator weighs them.
 ///
 /// Statics: velocities zero, velocity_share 0, elastic_share 1. In a stage of a time step with u' = V = (u - ub) / hg
-/// and Rayleigh damping C = alpha M + beta K in momentum form (solver/integrator.hpp), V depends on u with
-/// velocity_share = 1 / hg, elastic forces carry 1 + beta / hg and the inertial term (1 / hg + alpha) M V.
+/// (solver/integrator.hpp), V depends on u with velocity_share = 1 / hg and the inertial term is (1 / hg + alpha) M V.
+/// Damping by the tangent: elastic forces carry 1 + beta / hg. Damping by the material: the tissue is viscous, and its
+/// pressure p(u) + beta (p(u) - pb) / hg.
 struct Trial {
-  NodeField positions;          ///< m
-  NodeField velocities;         ///< m/s
-  double velocity_share = 0.0;  ///< dV/du, 1/s
-  double elastic_share = 1.0;
+  NodeField positions;                  ///< m
+  NodeField velocities;                 ///< m/s
+  double velocity_share = 0.0;          ///< dV/du, 1/s
+  double elastic_share = 1.0;           ///< factor of the pressure; loads are judged by it
   double mass_rate = 0.0;               ///< factor of M V, 1/s
-  std::vector<double> isochoric_scale;  ///< per element, padded to whole batches: elastic_share s - beta s'
+  double viscosity = 0.0;               ///< beta of the material's damping, s
+  std::vector<double> isochoric_scale;  ///< per element, padded to whole batches: s, or (1 + beta / hg) s - beta s'
+  std::vector<double> pressure_offset;  ///< per element, padded: - beta pb / hg, Pa; empty: 0
   std::vector<double> pressure;         ///< per element, padded: p of the geometric stiffness, Pa
   std::vector<double> activation;       ///< per fibre, m
   bool activation_follows = true;       ///< activation depends on the trial lengths (undelayed), not on the past

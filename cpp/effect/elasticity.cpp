@@ -68,6 +68,7 @@ Elasticity::Elasticity(const HexMesh& mesh, std::shared_ptr<const RestBatches> b
   const std::size_t padded = padded_count();
   force_.resize(padded * element_force_size);
   for (auto* field : {&dilatation_, &isochoric_energy_, &volumetric_energy_, &least_jacobian_}) field->resize(padded);
+  no_offset_.assign(padded, 0.0);
   source_start_.assign(static_cast<std::size_t>(mesh.node_count()) + 1, 0);
   for (const Hexahedron& element : mesh.hexahedra())
     for (const Index node : element) ++source_start_[static_cast<std::size_t>(node) + 1];
@@ -89,6 +90,13 @@ ElasticSweep Elasticity::sweep(const Trial& trial, bool with_tangent) {
   sweep.isochoric_scale = trial.isochoric_scale.data();
   sweep.volumetric_scale = trial.elastic_share;
   sweep.pressure = trial.pressure.data();
+  sweep.pressure_offset = trial.pressure_offset.empty() ? no_offset_.data() : trial.pressure_offset.data();
+  if (trial.viscosity > 0.0) {
+    sweep.velocities = trial.velocities.data();
+    sweep.viscosity = trial.viscosity;
+    sweep.viscous_share = trial.viscosity * trial.velocity_share;
+    if (!sweep.mean_dilatation) sweep.volumetric_scale = 1.0;
+  }
   sweep.force = force_.data();
   sweep.dilatation = dilatation_.data();
   sweep.isochoric_energy = isochoric_energy_.data();

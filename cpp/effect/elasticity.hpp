@@ -63,6 +63,7 @@ class Elasticity final : public Effect {
   double mass_scale_ = 0.0;
   std::vector<Index> source_start_;  // per node: its corners in elements
   std::vector<Index> source_;        // 8 e + a
+  std::vector<double> no_offset_;    // zeros
   std::vector<double> force_, tangent_, volume_gradient_, dilatation_, isochoric_energy_, volumetric_energy_,
       least_jacobian_;
 };

@@ -59,8 +59,10 @@ inline void deform(const double gradient[8][3][lanes], const Pack x[8][3], Point
 // Coefficients of the tangent at one Gauss point, weight and stage scale included.
 struct Coefficients {
   Pack ff, fg, gg, swap, identity;
+  Pack spatial;  // of (g_a . g_b) 1: viscosity only
 };
 
+template <bool viscous>
 inline void add_tangent(const double gradient[8][3][lanes], const Pack f[8][3], const Pack g[8][3],
                         const Coefficients& c, Pack K[36][9]) {
   int pair = 0;
@@ -74,7 +76,8 @@ inline void add_tangent(const double gradient[8][3][lanes], const Pack f[8][3], 
     }
     for (int a = 0; a <= b; ++a, ++pair) {
       Pack* block = K[pair];
-      const Pack diagonal = load(gradient[a][0]) * G[0] + load(gradient[a][1]) * G[1] + load(gradient[a][2]) * G[2];
+      Pack diagonal = load(gradient[a][0]) * G[0] + load(gradient[a][1]) * G[1] + load(gradient[a][2]) * G[2];
+      if constexpr (viscous) diagonal += c.spatial * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) block[3 * i + j] += f[a][i] * h[j] + g[a][i] * k[j] + swapped[i] * g[a][j];
       block[0] += diagonal;
@@ -91,9 +94,34 @@ struct Totals {
   Pack isochoric, volumetric, volume, least;
 };
 
-template <bool mean_dilatation, bool with_tangent>
-inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pack x[8][3], Pack scale, Pack pressure,
-                      Totals& t) {
+// Viscous forces at one Gauss point: `shear` is the coefficient of dev(D), `rank` that of (dI/dt) dI_a / (2 a)^2.
+inline void add_viscous_force(const Pack f[8][3], const Pack g[8][3], const Pack v[8][3], Pack shear, Pack rank,
+                              Pack third, Pack bulk, Totals& t) {
+  Pack L[3][3], along = splat(0.0);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      Pack sum = v[0][i] * g[0][j];
+      for (int n = 1; n < 8; ++n) sum += v[n][i] * g[n][j];
+      L[i][j] = sum;
+    }
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i) along += v[n][i] * f[n][i];
+  const Pack dilation = L[0][0] + L[1][1] + L[2][2];
+  const Pack stretching = rank * (along - third * dilation);
+  Pack stress[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) stress[i][j] = 0.5 * shear * (L[i][j] + L[j][i]);
+  const Pack mean = bulk * dilation - (1.0 / 3.0) * shear * dilation;
+  for (int i = 0; i < 3; ++i) stress[i][i] += mean;
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i)
+      t.force[n][i] += stress[i][0] * g[n][0] + stress[i][1] * g[n][1] + stress[i][2] * g[n][2] +
+                       stretching * (f[n][i] - third * g[n][i]);
+}
+
+template <bool mean_dilatation, bool with_tangent, bool viscous>
+inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pack x[8][3], const Pack v[8][3],
+                      Pack scale, Pack pressure, Pack offset, Totals& t) {
   const double c10 = sweep.law.c10, c20 = sweep.law.c20, kappa = sweep.law.kappa, vscale = sweep.volumetric_scale;
   for (int q = 0; q < 8; ++q) {
     PointState s;
@@ -127,29 +155,42 @@ inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pa
         if constexpr (!mean_dilatation) t.force[n][i] += vscale * point_pressure * wJ * g[n][i];
       }
     }
+    Pack rank = scale * w * (8.0 * c20) * a * a;  // W'' dI dI', dI_a = 2 a (f_a - t/3 g_a)
+    if constexpr (viscous)
+      add_viscous_force(f, g, v, (2.0 * sweep.viscosity) * stress * third, sweep.viscosity * rank, third,
+                        mean_dilatation ? splat(0.0) : sweep.viscosity * kappa * wJ * s.J, t);
     if constexpr (with_tangent) {
-      const Pack rank = scale * w * (8.0 * c20) * a * a;  // W'' dI dI', dI_a = 2 a (f_a - t/3 g_a)
-      const Pack geometric = vscale * point_pressure * wJ;
+      const Pack geometric = (vscale * point_pressure + offset) * wJ;
+      const double share = viscous ? sweep.viscous_share : 0.0;
+      if constexpr (viscous) rank *= 1.0 + share;
       Coefficients c;
       c.ff = rank;
       c.fg = -(2.0 / 3.0) * stress - rank * third;
       c.gg = (2.0 / 3.0) * stress * third + rank * third * third + geometric;
       c.swap = stress * third - geometric;
       c.identity = stress;
-      if constexpr (!mean_dilatation) c.gg += vscale * kappa * wJ * s.J;
-      add_tangent(rest.gradient[q], f, g, c, t.K);
+      if constexpr (!mean_dilatation) c.gg += (vscale + share) * kappa * wJ * s.J;
+      if constexpr (viscous) {
+        c.spatial = share * stress * third;
+        c.swap += c.spatial;
+        c.gg -= (2.0 / 3.0) * c.spatial;
+      }
+      add_tangent<viscous>(rest.gradient[q], f, g, c, t.K);
     }
   }
 }
 
-template <bool mean_dilatation, bool with_tangent>
+template <bool mean_dilatation, bool with_tangent, bool viscous>
 void sweep_batch(const ElasticSweep& sweep, int batch) {
   const RestBatch& rest = sweep.batches[batch];
   const std::size_t first = static_cast<std::size_t>(batch) * lanes;
-  Pack x[8][3];
+  Pack x[8][3], v[8][3];
   for (int n = 0; n < 8; ++n)
     for (int i = 0; i < 3; ++i)
-      for (int lane = 0; lane < lanes; ++lane) x[n][i][lane] = sweep.positions[3 * rest.corner[n][lane] + i];
+      for (int lane = 0; lane < lanes; ++lane) {
+        x[n][i][lane] = sweep.positions[3 * rest.corner[n][lane] + i];
+        if constexpr (viscous) v[n][i][lane] = sweep.velocities[3 * rest.corner[n][lane] + i];
+      }
 
   Totals t;
   for (int n = 0; n < 8; ++n)
@@ -162,13 +203,14 @@ void sweep_batch(const ElasticSweep& sweep, int batch) {
 
   const Pack scale = load(sweep.isochoric_scale + first);
   const Pack pressure = with_tangent ? load(sweep.pressure + first) : splat(0.0);
-  integrate<mean_dilatation, with_tangent>(sweep, rest, x, scale, pressure, t);
+  const Pack offset = mean_dilatation ? load(sweep.pressure_offset + first) : splat(0.0);
+  integrate<mean_dilatation, with_tangent, viscous>(sweep, rest, x, v, scale, pressure, offset, t);
 
   const Pack V = load(rest.volume);
   const Pack theta = t.volume / V;
   if constexpr (mean_dilatation) {
     const double kappa = sweep.law.kappa;
-    const Pack p = sweep.volumetric_scale * kappa * (theta - 1.0);
+    const Pack p = sweep.volumetric_scale * kappa * (theta - 1.0) + offset;
     t.volumetric = V * (0.5 * kappa) * (theta - 1.0) * (theta - 1.0);
     for (int n = 0; n < 8; ++n)
       for (int i = 0; i < 3; ++i) t.force[n][i] += p * t.volume_gradient[n][i];
@@ -206,19 +248,13 @@ void sweep_batch(const ElasticSweep& sweep, int batch) {
 }  // namespace
 
 void sweep_elements(const ElasticSweep& sweep, int begin, int end) {
-  for (int batch = begin; batch < end; ++batch) {
-    if (sweep.mean_dilatation) {
-      if (sweep.tangent)
-        sweep_batch<true, true>(sweep, batch);
-      else
-        sweep_batch<true, false>(sweep, batch);
-    } else {
-      if (sweep.tangent)
-        sweep_batch<false, true>(sweep, batch);
-      else
-        sweep_batch<false, false>(sweep, batch);
-    }
-  }
+  using Batch = void (*)(const ElasticSweep&, int);
+  static constexpr Batch kinds[2][2][2] = {{{sweep_batch<false, false, false>, sweep_batch<false, false, true>},
+                                            {sweep_batch<false, true, false>, sweep_batch<false, true, true>}},
+                                           {{sweep_batch<true, false, false>, sweep_batch<true, false, true>},
+                                            {sweep_batch<true, true, false>, sweep_batch<true, true, true>}}};
+  const Batch kind = kinds[sweep.mean_dilatation ? 1 : 0][sweep.tangent ? 1 : 0][sweep.velocities ? 1 : 0];
+  for (int batch = begin; batch < end; ++batch) kind(sweep, batch);
 }
 
 }  // namespace glossa::GLOSSA_KERNEL

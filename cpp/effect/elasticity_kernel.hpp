@@ -11,6 +11,11 @@
 // the last linear prediction instead of the current dilatation is Newton's method on the mixed problem and keeps the
 // tangent positive definite far from the solution.
 // Plain Q1 puts the volumetric law at every Gauss point; it locks and serves for comparison.
+//
+// Viscosity: the material part of the isochoric tangent acts on the rate of deformation D, which rotations leave alone,
+//   f_a += beta s Sum w { (4/3) W' a t dev(D) g_a + W'' (dI/dt) dI_a },
+// so that its power, beta s Sum w { (4/3) W' a t |dev D|^2 + W'' (dI/dt)^2 }, is never negative. At rest it is beta K.
+// Pressure gets its rate through `pressure_offset`: p = scale kappa (theta - 1) + offset; plain Q1 takes it from D.
 #pragma once
 
 #include <cstddef>
@@ -41,6 +46,10 @@ struct ElasticSweep {
   const double* isochoric_scale = nullptr;  ///< per element: s of eq. 1 times the scale of the stage
   double volumetric_scale = 1.0;            ///< scale of the volumetric part
   const double* pressure = nullptr;         ///< per element: p of the geometric term (tangent only), Pa
+  const double* pressure_offset = nullptr;  ///< per element, Pa, added to the scaled pressure (mean dilatation only)
+  const double* velocities = nullptr;       ///< of the nodes, m/s; null without viscosity
+  double viscosity = 0.0;                   ///< beta, s
+  double viscous_share = 0.0;               ///< beta times d velocity / d position (tangent only)
 
   double* force = nullptr;              ///< out, element_force_size per element, N
   double* tangent = nullptr;            ///< out or null, element_tangent_size per element, N/m

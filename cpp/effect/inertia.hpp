@@ -1,5 +1,6 @@
 // Inertia and the mass-proportional part of Rayleigh damping (eq. 6), with the consistent mass matrix.
-// The stiffness-proportional part is carried by the momentum form of the time integrator.
+// The stiffness-proportional part is carried by the tissue's viscosity (effect/elasticity_kernel.hpp) or by the
+// momentum form of the time integrator (solver/integrator.hpp).
 #pragma once
 
 #include "bone/bone.hpp"
@@ -7,11 +8,23 @@
 
 namespace glossa {
 
-/// Rayleigh damping C = alpha M + beta K of eq. 6. K is the current tangent of the tissue (elements with their
-/// stiffening), not of muscles or supports.
+/// Which part of the tissue's tangent damps.
+enum class DampingLaw {
+  material,  ///< the material part, on the rate of deformation: never feeds energy
+  tangent,   ///< all of it, stress stiffness included: feeds energy where it is not positive definite
+};
+
+/// Rayleigh damping C = alpha M + beta K of eq. 6. K belongs to the tissue (elements with their stiffening), not to
+/// muscles or supports.
 struct RayleighDamping {
   double alpha = 40.0;  ///< 1/s
   double beta = 0.03;   ///< s
+  DampingLaw law = DampingLaw::material;
+
+  /// beta of the momentum w = M v + beta f.
+  [[nodiscard]] double in_momentum() const { return law == DampingLaw::tangent ? beta : 0.0; }
+  /// beta of the viscosity of the tissue.
+  [[nodiscard]] double viscosity() const { return law == DampingLaw::material ? beta : 0.0; }
 };
 
 /// Adds mass_rate M V. Its tangent is part of BlockMatrix::gather.

@@ -10,7 +10,7 @@ namespace glossa {
 namespace {
 
 constexpr double lipschitz = 1.4;      // a smoothed distance may grow a little faster than the way
-constexpr double survey_again = 2e-3;  // m, move after which clearances are measured afresh
+constexpr double survey_again = 4e-4;  // m, move after which clearances are measured afresh
 constexpr double known_depth = 0.95;   // of the band of a distance field
 
 }  // namespace
@@ -111,7 +111,7 @@ void WallContact::add_force(const Trial& trial, NodeField& force) {
     const auto i = static_cast<std::size_t>(k);
     const double advance = state_.advance[i];
     const double bound = state_.pressure.empty() ? 0.0 : law_.friction * state_.pressure[i];
-    if (bound == 0.0 && clearance_[i] - advance > reach_[i] * moved) continue;
+    if (bound == 0.0 && advance == 0.0 && clearance_[i] > reach_[i] * moved) continue;
     Active point;
     point.point = k;
     point.position = points_.position(k, trial.positions);

@@ -93,7 +93,8 @@ Simulation::Simulation(std::shared_ptr<System> system, CommandTable commands, Si
   state_.momentum_rate = force;
   for (double& x : state_.momentum_rate) x = -x;
   tissue_force(positions, state_.stiffening, 1.0, state_.momentum);
-  for (double& x : state_.momentum) x *= system_.scene().options().damping.beta;
+  for (double& x : state_.momentum) x *= system_.scene().options().damping.in_momentum();
+  state_.pressure_rate.assign(state_.pressure.size(), 0.0);
   scale_ = system_.force_scale();
   state_.next_step =
       options_.error_tolerance > 0.0 ? std::min(longest_step(), std::max(1e-3, options_.least_step)) : longest_step();
@@ -198,6 +199,7 @@ void Simulation::accept(State next, double h, double error) {
   next.last_velocities = std::move(state_.velocities);
   next.last_momentum = std::move(state_.momentum);
   next.last_stiffening = std::move(state_.stiffening);
+  next.last_pressure = std::move(state_.pressure);
   next.history = std::move(state_.history);
   if (const MuscleForce* muscles = system_.muscles()) {
     next.history.append(next.time, muscles->lengths());
@@ -305,7 +307,7 @@ std::optional<State> Simulation::cross_jump() {
   for (std::size_t e = 0; e < change.size(); ++e) change[e] -= state_.stiffening[e];
   NodeField force;
   tissue_force(state_.positions, change, 0.0, force);
-  const double beta = system_.scene().options().damping.beta;
+  const double beta = system_.scene().options().damping.in_momentum();
   for (std::size_t k = 0; k < force.size(); ++k) state_.momentum[k] += beta * force[k];
   state_.stiffening = std::move(factors);
   state_.activation = std::move(activation);

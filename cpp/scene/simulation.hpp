@@ -33,21 +33,22 @@ struct FactorPoint {
 /// Everything that the future of a movement depends on. A value: copies are independent, and going back to one repeats
 /// the movement to the last bit.
 struct State {
-  double time = 0.0;               ///< s
-  NodeField positions;             ///< m
-  NodeField velocities;            ///< m/s
-  NodeField momentum;              ///< w = M v + beta f, N s
-  NodeField momentum_rate;         ///< w' (trapezoidal rule only), N
-  std::vector<double> pressure;    ///< Pa, padded
-  std::vector<double> stiffening;  ///< s_e, padded
-  std::vector<double> activation;  ///< m, per fibre of the system
-  std::vector<double> tension;     ///< N
+  double time = 0.0;                  ///< s
+  NodeField positions;                ///< m
+  NodeField velocities;               ///< m/s
+  NodeField momentum;                 ///< w of solver/integrator.hpp, N s
+  NodeField momentum_rate;            ///< w' (trapezoidal rule only), N
+  std::vector<double> pressure_rate;  ///< Pa/s, padded (trapezoidal rule only)
+  std::vector<double> pressure;       ///< Pa, padded
+  std::vector<double> stiffening;     ///< s_e, padded
+  std::vector<double> activation;     ///< m, per fibre of the system
+  std::vector<double> tension;        ///< N
   DelayHistory history;
   double last_step = 0.0;  ///< s; 0 before the first step and after a jump of the commands
   NodeField last_positions, last_velocities, last_momentum;
   double next_step = 0.0;                     ///< s, proposed by the error control
   std::shared_ptr<const FactorPoint> factor;  ///< null: the next stage makes one
-  std::vector<double> last_stiffening;
+  std::vector<double> last_stiffening, last_pressure;
   ContactState contact;
   std::vector<double> contact_pressure;  ///< Pa, of each contact point
   std::vector<Vector3> contact_drag;     ///< Pa, friction of the body on the wall
@@ -89,6 +90,7 @@ class Simulation {
     double time = 0.0;
     double offset = 0.0;  // time since the start of the step
     NodeField base_positions, base_momentum;
+    std::vector<double> base_pressure;
     std::vector<double> base_stiffening;  // where the activation follows: s' = (s - base) / span
     double span = 0.0;
     std::vector<double> rate;  // s' where the activation is given

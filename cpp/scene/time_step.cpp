@@ -26,7 +26,7 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
     contact->begin_increment(state_.positions, options_.wall_shift);
   }
   std::vector<double> end_activation;
-  if (delayed()) {
+  if (delayed() && system_.scene().options().damping.in_momentum() > 0.0) {
     given_activation(state_.time + h, false, end_activation);
     stage.rate = stiffening_of(end_activation);
     for (std::size_t e = 0; e < stage.rate.size(); ++e)
@@ -44,6 +44,8 @@ bool Simulation::attempt(double h, Integrator method, State& next, double& defec
     }
     std::vector<double> pressure = trial.pressure;
     system_.elasticity().set_pressure(pressure);
+    for (std::size_t e = 0; e < pressure.size(); ++e)
+      stage.base_pressure[e] += weight * (pressure[e] - state_.pressure[e]);
     stage.time = state_.time + h;
     stage.offset = h;
     if (!delayed()) {
@@ -73,6 +75,7 @@ Simulation::Stage Simulation::first_stage(double h, Integrator method) const {
   stage.base_positions = state_.positions;
   stage.base_momentum = state_.momentum;
   stage.base_stiffening = state_.stiffening;
+  stage.base_pressure = state_.pressure;
   stage.hg = stage.offset = stage.span = h;
   if (method == Integrator::sdirk2) {
     stage.hg = stage.offset = sdirk2_gamma * h;
@@ -83,6 +86,8 @@ Simulation::Stage Simulation::first_stage(double h, Integrator method) const {
       stage.base_positions[k] += stage.hg * state_.velocities[k];
       stage.base_momentum[k] += stage.hg * state_.momentum_rate[k];
     }
+    for (std::size_t e = 0; e < stage.base_pressure.size(); ++e)
+      stage.base_pressure[e] += stage.hg * state_.pressure_rate[e];
   } else if (method == Integrator::bdf2) {
     const Bdf2 weights(h / state_.last_step);
     const auto mix = [&](auto& base, const auto& last) {
@@ -92,6 +97,7 @@ Simulation::Stage Simulation::first_stage(double h, Integrator method) const {
     mix(stage.base_positions, state_.last_positions);
     mix(stage.base_momentum, state_.last_momentum);
     mix(stage.base_stiffening, state_.last_stiffening);
+    mix(stage.base_pressure, state_.last_pressure);
   }
   stage.time = state_.time + stage.offset;
   return stage;
@@ -125,9 +131,14 @@ Trial Simulation::stage_trial(const Stage& stage) {
   } else
     system_.set_command(commands_.at(stage.time, false));
   trial.isochoric_scale = std::move(factors);
+  const double beta = scene.damping.in_momentum(), share = 1.0 + beta / stage.hg;
   for (std::size_t e = 0; e < trial.isochoric_scale.size(); ++e)
-    trial.isochoric_scale[e] = trial.elastic_share * trial.isochoric_scale[e] -
-                               (stage.rate.empty() ? 0.0 : scene.damping.beta * stage.rate[e]);
+    trial.isochoric_scale[e] = share * trial.isochoric_scale[e] - (stage.rate.empty() ? 0.0 : beta * stage.rate[e]);
+  trial.viscosity = scene.damping.viscosity();
+  if (trial.viscosity > 0.0) {
+    trial.pressure_offset = stage.base_pressure;
+    for (double& p : trial.pressure_offset) p *= -trial.viscosity / stage.hg;
+  }
   return trial;
 }
 
@@ -137,11 +148,10 @@ void Simulation::evaluate(const Stage& stage, Trial& trial) {
     trial.velocities[k] = system_.moving()[k] ? (trial.positions[k] - stage.base_positions[k]) / stage.hg : 0.0;
   system_.measure(trial);
   if (!delayed() && system_.muscles() && system_.scene().options().stiffening) {
-    const double beta = system_.scene().options().damping.beta;
+    const double beta = system_.scene().options().damping.in_momentum(), share = 1.0 + beta / stage.hg;
     const std::vector<double> factors = stiffening_of(trial.activation);
     for (std::size_t e = 0; e < factors.size(); ++e)
-      trial.isochoric_scale[e] =
-          trial.elastic_share * factors[e] - beta * (factors[e] - stage.base_stiffening[e]) / stage.span;
+      trial.isochoric_scale[e] = share * factors[e] - beta * (factors[e] - stage.base_stiffening[e]) / stage.span;
   }
   system_.force(trial, force_);
   for (std::size_t k = 0; k < force_.size(); ++k) force_[k] -= stage.base_momentum[k] / stage.hg;
@@ -276,12 +286,13 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
 
 // w at the end of a stage; the remaining residual is kept out of it, so that momentum balances exactly.
 NodeField Simulation::stage_momentum(const Stage& stage, const Trial& trial) {
-  const double beta = system_.scene().options().damping.beta;
-  const std::vector<double> factors = stiffening_of(trial.activation);
+  const double beta = system_.scene().options().damping.in_momentum();
   const NodeField residual = force_;
-  NodeField momentum;
-  tissue_force(trial.positions, factors, 1.0, momentum);
-  for (double& x : momentum) x *= beta;
+  NodeField momentum(residual.size(), 0.0);
+  if (beta > 0.0) {
+    tissue_force(trial.positions, stiffening_of(trial.activation), 1.0, momentum);
+    for (double& x : momentum) x *= beta;
+  }
   system_.inertia().multiply(1.0, trial.velocities, momentum);
   for (std::size_t k = 0; k < momentum.size(); ++k)
     if (system_.free()[k]) momentum[k] -= stage.hg * residual[k];
@@ -301,6 +312,9 @@ void Simulation::finish(const Stage& stage, const Trial& trial, double h, State&
   next.tension = system_.muscles() ? system_.muscles()->tensions() : std::vector<double>{};
   next.pressure = trial.pressure;
   system_.elasticity().set_pressure(next.pressure);
+  next.pressure_rate = next.pressure;
+  for (std::size_t e = 0; e < next.pressure.size(); ++e)
+    next.pressure_rate[e] = (next.pressure[e] - stage.base_pressure[e]) / stage.hg;
   if (WallContact* contact = system_.contact()) {
     contact->tractions(next.contact_pressure, next.contact_drag);
     contact->end_increment();

@@ -99,7 +99,7 @@ class Solver:
         force_velocity: bool,
         stiffening: bool,
         reflex: tuple[float, float] | None,
-        damping: tuple[float, float],
+        damping: tuple[float, float, str],
         gravity: tuple[float, float, float] | None,
         contact: Mapping[str, Any] | None,
         bone: Mapping[str, Any] | None,

@@ -87,21 +87,28 @@ class Reflex:
 
 @dataclass(frozen=True, kw_only=True)
 class Damping:
-    """Rayleigh damping C = alpha M + beta K of eq. 6; K is the current tangent of the tissue.
+    """Rayleigh damping C = alpha M + beta K of eq. 6; K is the tangent of the tissue, stiffened as eq. 1 says.
 
     The damping ratio alpha / (2 omega) + beta omega / 2 is 1.34 at 3 Hz and 1.26 at 10 Hz.
 
     Attributes:
         alpha: 1/s.
         beta: s.
+        law: which part of K damps. ``"material"``: the part that comes from the material, acting on the rate of
+            deformation; a Kelvin-Voigt tissue, whose damping always takes energy. ``"tangent"``: all of it, the
+            stress stiffness included. Where strong compression makes K indefinite this feeds energy, and the movement
+            of a tongue pressed against its walls blows up; for comparison with other solvers.
     """
 
     alpha: float = 40.0
     beta: float = 0.03
+    law: Literal["material", "tangent"] = "material"
 
     def __post_init__(self) -> None:
         not_negative_number(self.alpha, "damping alpha")
         not_negative_number(self.beta, "damping beta")
+        if self.law not in ("material", "tangent"):
+            raise InputError(f"damping law must be 'material' or 'tangent', got {self.law!r}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -238,7 +238,7 @@ class Scene:
             force_velocity=self.force_velocity,
             stiffening=self.stiffening is not None,
             reflex=None if self.reflex is None else (self.reflex.delay, self.reflex.velocity_gain),
-            damping=(self.damping.alpha, self.damping.beta),
+            damping=(self.damping.alpha, self.damping.beta, self.damping.law),
             gravity=gravity,
             contact=self._body.core_contact(self.friction),
             bone=None if self._body.hyoid is None else self._body.hyoid.core,

@@ -16,12 +16,12 @@ from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
 
-LOCAL_ERROR = {"draft": 20e-6, "standard": 1e-6, "reference": 0.1e-6}
+LOCAL_ERROR = {"draft": 20e-6, "standard": 2e-6, "reference": 0.1e-6}
 """Tolerated local error of an adaptive step, m, by accuracy. Largest error at any node and time in 200 ms of /u/ and
 /i/ (PB, mirrored): 0.37, 0.09 and 0.007 mm without contact, 0.17, 0.04 and 0.04 mm with contact and hyoid, where
 SHORTEST_WITH_CONTACT limits it."""
 
-STAGE_TOLERANCE = {"draft": 3e-5, "standard": 1e-5, "reference": 1e-9}
+STAGE_TOLERANCE = {"draft": 1e-3, "standard": 1e-4, "reference": 1e-9}
 """Residual of a stage over force scale, by accuracy."""
 
 LONGEST_STEP = 0.010
@@ -29,13 +29,6 @@ LONGEST_STEP = 0.010
 
 SHORTEST_ADAPTIVE = 1e-5
 """An adaptive step is not made shorter than this for the sake of its error, s."""
-
-SHORTEST_WITH_CONTACT = 0.75e-3
-"""The same with contact, s.
-
-Damping by the current tangent (eq. 6) is negative where the tissue's tangent is not positive definite, as it is where
-the tongue is pressed against a wall: held by the wall the tissue is stable, yet vibrations near 1 kHz grow. Steps of
-BDF2 of 0.7 ms and more damp them, steps below 0.5 ms (SDIRK2: below 2 ms) follow them. Reports state the error."""
 
 SHORTEST_STEP = 1e-7
 """Shortest time step that can be asked for, s; a syllable would take a million."""
@@ -94,7 +87,7 @@ class Simulation:
             wall_shift=wall_shift,
             max_step=step,
             error_tolerance=error if dt is None else 0.0,
-            least_step=SHORTEST_WITH_CONTACT if touching else SHORTEST_ADAPTIVE,
+            least_step=SHORTEST_ADAPTIVE,
             tolerance=tolerance,
             integrator=integrator or ("BDF2" if touching else "SDIRK2"),
         )

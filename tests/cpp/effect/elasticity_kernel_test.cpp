@@ -14,34 +14,43 @@ struct Sweep {
   HexMesh mesh = block(3, 2, 1, 0.2);
   std::shared_ptr<const RestBatches> batches = rest_batches(mesh);
   NodeField positions = sum(mapped(mesh.nodes(), rotation()), Random(41).field(mesh.nodes().size(), 2.5e-3));
-  std::vector<double> scale, pressure, force, tangent, volume_gradient, dilatation, isochoric, volumetric, least;
+  NodeField velocities;
+  std::vector<double> scale, pressure, offset, force, tangent, volume_gradient, dilatation, isochoric, volumetric,
+      least;
   ElasticSweep job;
 
-  Sweep(const Yeoh& law, bool mean_dilatation, bool with_tangent, Kernel kernel = &sweep_elements) {
+  Sweep(const Yeoh& law, bool mean_dilatation, bool with_tangent, bool viscous = false,
+        Kernel kernel = &sweep_elements) {
     const std::size_t padded = batches->size() * lanes;
     Random random(42);
     for (std::size_t e = 0; e < padded; ++e) {
       scale.push_back(random(1.0, 8.0));
       pressure.push_back(random(-2e4, 2e4));
     }
+    offset.assign(padded, 0.0);
+    velocities = random.field(positions.size(), 0.1);
     for (auto* field : {&dilatation, &isochoric, &volumetric, &least}) field->assign(padded, -1.0);
     force.assign(padded * element_force_size, -1.0);
     tangent.assign(padded * element_tangent_size, -1.0);
     volume_gradient.assign(padded * element_force_size, -1.0);
-    job = {batches->data(),
-           law,
-           mean_dilatation,
-           positions.data(),
-           scale.data(),
-           1.7,
-           pressure.data(),
-           force.data(),
-           with_tangent ? tangent.data() : nullptr,
-           volume_gradient.data(),
-           dilatation.data(),
-           isochoric.data(),
-           volumetric.data(),
-           least.data()};
+    job.batches = batches->data();
+    job.law = law;
+    job.mean_dilatation = mean_dilatation;
+    job.positions = positions.data();
+    job.isochoric_scale = scale.data();
+    job.volumetric_scale = 1.7;
+    job.pressure = pressure.data();
+    job.pressure_offset = offset.data();
+    if (viscous) job.velocities = velocities.data();
+    job.viscosity = 0.03;
+    job.viscous_share = 6.0;
+    job.force = force.data();
+    job.tangent = with_tangent ? tangent.data() : nullptr;
+    job.volume_gradient = volume_gradient.data();
+    job.dilatation = dilatation.data();
+    job.isochoric_energy = isochoric.data();
+    job.volumetric_energy = volumetric.data();
+    job.least_jacobian = least.data();
     kernel(job, 0, static_cast<int>(batches->size()));
   }
 };
@@ -79,24 +88,27 @@ TEST_CASE("element kernel: plain Q1 against a straightforward element, entry by 
 }
 
 TEST_CASE("element kernel: the path without tangent gives the same forces and touches nothing else") {
-  for (const bool mean_dilatation : {true, false}) {
-    const Sweep with(tissue, mean_dilatation, true), without(tissue, mean_dilatation, false);
-    CHECK_WITHIN(worst_entry(without.force, with.force), 1e-15);
-    CHECK_WITHIN(worst_entry(without.isochoric, with.isochoric), 1e-15);
-    CHECK(without.tangent == std::vector<double>(without.tangent.size(), -1.0));
-  }
+  for (const bool mean_dilatation : {true, false})
+    for (const bool viscous : {false, true}) {
+      const Sweep with(tissue, mean_dilatation, true, viscous), without(tissue, mean_dilatation, false, viscous);
+      CHECK_WITHIN(worst_entry(without.force, with.force), 1e-15);
+      CHECK_WITHIN(worst_entry(without.isochoric, with.isochoric), 1e-15);
+      CHECK(without.tangent == std::vector<double>(without.tangent.size(), -1.0));
+    }
 }
 
 TEST_CASE("element kernel: the baseline and the widest instruction set agree to rounding") {
   if (!has_avx2()) return;
-  for (const bool mean_dilatation : {true, false}) {
-    const Sweep wide(tissue, mean_dilatation, true), base(tissue, mean_dilatation, true, &baseline::sweep_elements);
-    CHECK_WITHIN(worst_entry(wide.force, base.force), 1e-13);  // fused multiply-add rounds once instead of twice
-    CHECK_WITHIN(worst_entry(wide.tangent, base.tangent), 1e-14);
-    CHECK_WITHIN(worst_entry(wide.dilatation, base.dilatation), 5e-15);
-    CHECK_WITHIN(worst_entry(wide.isochoric, base.isochoric), 1e-13);
-    CHECK_WITHIN(worst_entry(wide.volumetric, base.volumetric), 2e-13);
-  }
+  for (const bool mean_dilatation : {true, false})
+    for (const bool viscous : {false, true}) {
+      const Sweep wide(tissue, mean_dilatation, true, viscous);
+      const Sweep base(tissue, mean_dilatation, true, viscous, &baseline::sweep_elements);
+      CHECK_WITHIN(worst_entry(wide.force, base.force), 1e-13);  // fused multiply-add rounds once instead of twice
+      CHECK_WITHIN(worst_entry(wide.tangent, base.tangent), 1e-14);
+      CHECK_WITHIN(worst_entry(wide.dilatation, base.dilatation), 5e-15);
+      CHECK_WITHIN(worst_entry(wide.isochoric, base.isochoric), 1e-13);
+      CHECK_WITHIN(worst_entry(wide.volumetric, base.volumetric), 2e-13);
+    }
 }
 
 }  // namespace glossa::test

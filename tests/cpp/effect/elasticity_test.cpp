@@ -1,5 +1,7 @@
 #include "effect/elasticity.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include "reference_element.hpp"
 
 namespace glossa::test {
@@ -111,6 +113,83 @@ TEST_CASE("elasticity: the tangent is the derivative of the force where p = kapp
     CHECK_WITHIN(worst_entry(tangent, reference), 1e-10);  // as above
     CHECK(tangent != reference);
   }
+}
+
+TEST_CASE("elasticity: viscous forces are linear in the velocities, and their share of the tangent says how") {
+  for (const ElementKind kind : kinds) {
+    General g(kind);
+    const NodeField v = Random(57).field(g.trial.positions.size(), 0.1);
+    g.trial.viscosity = 0.03;
+    g.trial.velocities.assign(v.size(), 0.0);
+    const NodeField still = force_of(g.elasticity, g.trial);
+    BlockMatrix elastic = g.matrix(), both = g.matrix();
+    g.elasticity.add_tangent(g.trial, elastic);
+    g.trial.velocity_share = 200.0;
+    g.elasticity.add_tangent(g.trial, both);
+    g.trial.velocities = v;
+    const Vector viscous = as_vector(force_of(g.elasticity, g.trial)) - as_vector(still);
+    const Vector expected = (dense(both.columns(1)) - dense(elastic.columns(1))) * as_vector(v) / 200.0;
+    CHECK_WITHIN(worst_entry(viscous, expected), 1e-11);
+    CHECK(as_vector(v).dot(viscous) > 0.0);
+  }
+}
+
+TEST_CASE("elasticity: viscosity takes power from every motion but rigid ones, also where the tangent is indefinite") {
+  General g(ElementKind::q1p0);
+  for (double& p : g.trial.pressure) p = 2e4;  // strong tension across the elements: buckling modes
+  g.trial.velocity_share = 1.0;
+  BlockMatrix elastic = g.matrix(), both = g.matrix();
+  g.elasticity.add_tangent(g.trial, elastic);
+  g.trial.viscosity = 1.0;
+  g.trial.velocities.assign(g.trial.positions.size(), 0.0);
+  g.elasticity.add_tangent(g.trial, both);
+  const Eigen::MatrixXd viscous = dense(both.columns(1)) - dense(elastic.columns(1));
+  const auto least = [](const Eigen::MatrixXd& matrix) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues()(0) / matrix.cwiseAbs().maxCoeff();
+  };
+  CHECK(least(dense(elastic.columns(1))) < -1e-3);
+  CHECK(least(viscous) > -1e-14);
+  NodeField turn(g.trial.positions.size());
+  const Vector3 axis(1.0, -2.0, 0.5);
+  for (Index node = 0; node < g.mesh.node_count(); ++node)
+    Eigen::Map<Vector3>(turn.data() + 3 * node) = axis.cross(at(g.trial.positions, node)) + Vector3(0.1, 0.2, 0.3);
+  CHECK((viscous * as_vector(turn)).norm() < 1e-12 * viscous.norm() * as_vector(turn).norm());
+}
+
+TEST_CASE("elasticity: at rest the viscosity is beta K") {
+  General g(ElementKind::q1);
+  g.trial.positions = g.mesh.nodes();
+  g.trial.elastic_share = 1.0;
+  BlockMatrix matrix = g.matrix();
+  g.elasticity.add_tangent(g.trial, matrix);
+  g.trial.viscosity = 0.03;
+  g.trial.velocities = Random(58).field(g.trial.positions.size(), 0.1);
+  const Vector expected = 0.03 * dense(matrix.columns(1)) * as_vector(g.trial.velocities);
+  CHECK_WITHIN(worst_entry(as_vector(force_of(g.elasticity, g.trial)), expected), 1e-13);
+}
+
+TEST_CASE("elasticity: an offset adds to the pressure of force and tangent") {
+  General g(ElementKind::q1p0);
+  General plain(ElementKind::q1p0);
+  g.trial.pressure_offset = Random(59).field(g.elasticity.padded_count(), 700.0);
+  for (std::size_t e = 0; e < g.trial.pressure.size(); ++e) {
+    g.trial.pressure[e] = 100.0;
+    plain.trial.pressure[e] = 100.0 + g.trial.pressure_offset[e] / g.trial.elastic_share;
+  }
+  BlockMatrix with = g.matrix(), without = plain.matrix();
+  g.elasticity.add_tangent(g.trial, with);
+  plain.elasticity.add_tangent(plain.trial, without);
+  CHECK_WITHIN(worst_entry(dense(with.columns(1)), dense(without.columns(1))), 1e-14);
+  Vector expected = as_vector(force_of(plain.elasticity, plain.trial));
+  for (Index e = 0; e < g.mesh.element_count(); ++e) {
+    const auto k = static_cast<std::size_t>(e);
+    std::vector<Index> rows;
+    for (const Index node : g.mesh.hexahedra()[k]) rows.insert(rows.end(), {3 * node, 3 * node + 1, 3 * node + 2});
+    const ElementResult r = reference_element(g.mesh, e, g.trial.positions, soft, {}, true);
+    for (std::size_t c = 0; c < rows.size(); ++c)
+      expected(rows[c]) += g.trial.pressure_offset[k] * r.volume_gradient(static_cast<Eigen::Index>(c));
+  }
+  CHECK_WITHIN(worst_entry(as_vector(force_of(g.elasticity, g.trial)), expected), 1e-12);
 }
 
 TEST_CASE("elasticity: predicted pressures are the linearised kappa (theta - 1)") {
