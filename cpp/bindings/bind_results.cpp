@@ -32,6 +32,7 @@ void bind_results(py::module_& module) {
       .def_readonly("least_jacobian", &Report::least_jacobian)
       .def_readonly("worst_element", &Report::worst_element)
       .def_readonly("error_estimate", &Report::error_estimate)
+      .def_readonly("accumulated_error", &Report::accumulated_error)
       .def_readonly("contact_updates", &Report::contact_updates)
       .def_readonly("penetration", &Report::penetration)
       .def_readonly("contact_violation", &Report::contact_violation)

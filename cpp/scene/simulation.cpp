@@ -195,6 +195,9 @@ Status Simulation::advance(double until, Recording* recording) {
 void Simulation::accept(State next, double h, double error) {
   next.last_step = h;
   next.factor = factor_;
+  // Errors of past steps relax as the tissue does, with beta as time constant.
+  const double beta = system_.scene().options().damping.beta;
+  next.error = error + (beta > 0.0 ? std::exp(-h / beta) : 1.0) * state_.error;
   next.last_positions = std::move(state_.positions);
   next.last_velocities = std::move(state_.velocities);
   next.last_momentum = std::move(state_.momentum);
@@ -208,6 +211,7 @@ void Simulation::accept(State next, double h, double error) {
   state_ = std::move(next);
   ++report_.steps;
   report_.error_estimate = std::max(report_.error_estimate, error);
+  report_.accumulated_error = std::max(report_.accumulated_error, state_.error);
   report_.least_jacobian = std::min(report_.least_jacobian, system_.elasticity().least_jacobian());
   if (const WallContact* contact = system_.contact())
     report_.penetration = std::max(report_.penetration, contact->penetration());

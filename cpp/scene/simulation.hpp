@@ -47,6 +47,7 @@ struct State {
   double last_step = 0.0;  ///< s; 0 before the first step and after a jump of the commands
   NodeField last_positions, last_velocities, last_momentum;
   double next_step = 0.0;                     ///< s, proposed by the error control
+  double error = 0.0;                         ///< m, estimated, of the movement so far
   std::shared_ptr<const FactorPoint> factor;  ///< null: the next stage makes one
   std::vector<double> last_stiffening, last_pressure;
   ContactState contact;

@@ -59,6 +59,7 @@ struct Report {
   double penetration = 0.0;        ///< m, deepest penetration of a wall (statics: of the result; dynamics: at any step)
   double contact_violation = 0.0;  ///< m, largest distance from the laws of contact and friction, likewise
   double error_estimate = 0.0;     ///< m, largest estimated local error of the accepted time steps
+  double accumulated_error = 0.0;  ///< m, largest estimated error in time of the movement, from those of its steps
   std::vector<double> residuals_by_iteration;
   Seconds seconds;
 };

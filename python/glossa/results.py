@@ -44,7 +44,9 @@ class SolveReport:
             step or backward Euler.
         residual: N, 2-norm over the free components; force_scale: N, what the tolerance refers to.
         least_jacobian: smallest J at any Gauss point; worst_element: its hexahedron in the body that was computed.
-        error_estimate: largest estimated local error of a time step, m.
+        error_estimate: largest estimated local error of a time step, m; accumulated_error: largest estimated error of
+            the positions of a movement that is due to its time steps, m: those of the steps, fading with the relaxation
+            time of the tissue.
         contact_updates: updates of the contact multipliers; penetration: deepest penetration of a wall, m;
             contact_violation: largest distance from the laws of contact and friction, m (posture).
         residuals_by_iteration: N, at the start of each Newton iteration.
@@ -67,6 +69,7 @@ class SolveReport:
     least_jacobian: float
     worst_element: int
     error_estimate: float
+    accumulated_error: float
     contact_updates: int
     penetration: float
     contact_violation: float
