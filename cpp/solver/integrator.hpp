@@ -35,8 +35,8 @@ enum class Integrator { sdirk2, bdf2, backward_euler, trapezoidal };
 
 inline constexpr double sdirk2_gamma = 0.29289321881345247559915563789515;
 
-/// Share of the trapezoid defect |u1 - u0 - h/2 (v0 + v1)| that estimates the local error of each method: chosen so that
-/// the errors of the steps, added up, are those of movements of the vowels within a factor of two.
+/// Share of the trapezoid defect |u1 - u0 - h/2 (v0 + v1)| that estimates the local error of each method: chosen so
+/// that the errors of the steps, added up, are those of movements of the vowels within a factor of two.
 [[nodiscard]] constexpr double defect_share(Integrator method) {
   switch (method) {
     case Integrator::sdirk2:

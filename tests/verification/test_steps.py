@@ -159,3 +159,23 @@ def test_a_movement_goes_on(scene: Scene) -> None:
     assert np.array_equal(second.positions[-1], whole.positions[-1])
     with pytest.raises(InputError, match="the end must lie after the present time"):
         simulation.run(0.034)
+
+
+@pytest.fixture(scope="module")
+def tongue() -> Scene:
+    return Scene(Speaker.reference(), mirror=True)
+
+
+@pytest.fixture(scope="module")
+def exact(tongue: Scene) -> Movement:
+    return tongue.simulate(Ramp(VOWELS["u"]), 0.06, dt=0.00025, integrator="SDIRK2")
+
+
+@pytest.mark.parametrize("accuracy", ["draft", "standard"])
+@pytest.mark.parametrize("integrator", ["SDIRK2", "BDF2"])
+def test_movements_state_their_error(tongue: Scene, exact: Movement, integrator: str, accuracy: str) -> None:
+    """With walls and hyoid: the largest error at any node and frame is what the report says, within a factor."""
+    movement = tongue.simulate(Ramp(VOWELS["u"]), 0.06, accuracy=accuracy, integrator=integrator)
+    frames = zip(movement.times, movement.positions, strict=True)
+    error = max(gap(frame, exact.at(float(time)).positions) for time, frame in frames)
+    assert error < 2.0 * movement.report.accumulated_error < 10.0 * error
