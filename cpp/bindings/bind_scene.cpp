@@ -125,7 +125,8 @@ std::unique_ptr<Solver> make_solver(const DoubleArray& nodes, const IntArray& he
 Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const DoubleArray& start,
                             const py::object& pressure, const DoubleArray& target, const ByteArray& free,
                             const py::object& load, const py::object& wall_start, const py::object& wall_shift,
-                            double tolerance, double gap_tolerance, int max_iterations, bool quasi_newton) {
+                            const py::object& contact_pressure, double tolerance, double gap_tolerance,
+                            int max_iterations, bool quasi_newton) {
   const auto nodes = static_cast<py::ssize_t>(solver.scene().mesh().node_count());
   const std::vector<double> command = to_vector(fractions);
   const std::shared_ptr<System> shared = solver.system(to_vector(free), commanded_muscles(command));
@@ -143,6 +144,7 @@ Equilibrium run_equilibrate(Solver& solver, const DoubleArray& fractions, const 
   options.wall_shift = to_vectors(wall_shift, "wall displacements");
   if (contact && wall_start.is_none()) options.wall_start.assign(contact->walls.size(), Vector3::Zero());
   if (contact && wall_shift.is_none()) options.wall_shift.assign(contact->walls.size(), Vector3::Zero());
+  if (!contact_pressure.is_none()) options.contact_start = to_vector(contact_pressure.cast<DoubleArray>());
   const NodeField from = to_field(start, "start", nodes);
   const NodeField to = to_field(target, "target", nodes);
   std::vector<double> p;
@@ -170,8 +172,9 @@ void bind_scene(py::module_& module) {
       .def(py::init(&make_solver), py::arg("nodes"), py::arg("hexahedra"), py::arg("fibres"))
       .def("equilibrate", &run_equilibrate, py::kw_only(), py::arg("fractions"), py::arg("start"),
            py::arg("pressure") = py::none(), py::arg("target"), py::arg("free"), py::arg("load") = py::none(),
-           py::arg("wall_start") = py::none(), py::arg("wall_shift") = py::none(), py::arg("tolerance") = 1e-8,
-           py::arg("gap_tolerance") = 4.5e-5, py::arg("max_iterations") = 150, py::arg("quasi_newton") = true,
+           py::arg("wall_start") = py::none(), py::arg("wall_shift") = py::none(),
+           py::arg("contact_pressure") = py::none(), py::arg("tolerance") = 1e-8, py::arg("gap_tolerance") = 4.5e-5,
+           py::arg("max_iterations") = 150, py::arg("quasi_newton") = true,
            "Static equilibrium; see glossa.Scene.equilibrate.");
   module.def("kernel_name", &kernel_name, "Instruction set of the element kernels on this machine.");
 }

@@ -32,6 +32,12 @@ struct ContactLaw {
     if (depth <= limit) return stiffness * depth / (1.0 - depth / deepest);
     return 5.0 * stiffness * limit + 25.0 * stiffness * (depth - limit);
   }
+  /// The depth (m) of a pressure; 0 where there is none.
+  [[nodiscard]] double depth(double given) const {
+    if (given <= 0.0) return 0.0;
+    const double limit = 0.8 * deepest, last = 5.0 * stiffness * limit;
+    return given <= last ? given / (stiffness + given / deepest) : limit + (given - last) / (25.0 * stiffness);
+  }
   /// d pressure / d depth, Pa/m.
   [[nodiscard]] double slope(double depth) const {
     if (depth <= 0.0) return 0.0;

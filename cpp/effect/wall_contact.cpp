@@ -9,9 +9,10 @@
 namespace glossa {
 namespace {
 
-constexpr double lipschitz = 1.4;      // a smoothed distance may grow a little faster than the way
-constexpr double survey_again = 4e-4;  // m, move after which clearances are measured afresh
-constexpr double known_depth = 0.95;   // of the band of a distance field
+constexpr double lipschitz = 1.4;       // a smoothed distance may grow a little faster than the way
+constexpr double survey_again = 4e-4;   // m, move after which clearances are measured afresh
+constexpr double known_depth = 0.95;    // of the band of a distance field
+constexpr double least_advance = 1e-9;  // m, less is rounding
 
 }  // namespace
 
@@ -110,7 +111,7 @@ void WallContact::add_force(const Trial& trial, NodeField& force) {
   for (Index k = 0; k < points_.count(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     const double advance = state_.advance[i];
-    const double bound = state_.pressure.empty() ? 0.0 : law_.friction * state_.pressure[i];
+    double bound = state_.pressure.empty() ? 0.0 : law_.friction * state_.pressure[i];
     if (bound == 0.0 && advance == 0.0 && clearance_[i] > reach_[i] * moved) continue;
     Active point;
     point.point = k;
@@ -121,6 +122,10 @@ void WallContact::add_force(const Trial& trial, NodeField& force) {
     point.gap = distance + points_.offset[i];
     point.depth = advance - point.gap;
     point.pressure = law_.pressure(point.depth);
+    if (follow_bounds_ && law_.friction > 0.0) {
+      bind_friction(i, point.pressure, point.gradient);
+      bound = law_.friction * point.pressure;
+    }
     point.bound = bound;
     if (point.pressure == 0.0 && advance == 0.0 && bound == 0.0) continue;
     Vector3 push = -point.pressure * point.gradient;
@@ -234,9 +239,26 @@ void WallContact::update_bounds(double share) {
   if (law_.friction == 0.0) return;
   for (const Active& active : active_) {
     const auto i = static_cast<std::size_t>(active.point);
-    state_.pressure[i] += share * (active.pressure - state_.pressure[i]);
-    const double length = active.gradient.norm();
-    state_.normal[i] = length > 0.0 ? Vector3(active.gradient / length) : Vector3(Vector3::Zero());
+    bind_friction(i, state_.pressure[i] + share * (active.pressure - state_.pressure[i]), active.gradient);
+  }
+}
+
+void WallContact::bind_friction(std::size_t k, double pressure, const Vector3& gradient) {
+  const double length = gradient.norm();
+  state_.pressure[k] = pressure;
+  state_.normal[k] = length > 0.0 ? Vector3(gradient / length) : Vector3(Vector3::Zero());
+}
+
+void WallContact::resume(const NodeField& positions, const std::vector<double>& pressure) {
+  for (Index k = 0; k < points_.count(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (!(pressure[i] > 0.0)) continue;
+    const auto wall = static_cast<std::size_t>(points_.wall[i]);
+    Vector3 gradient;
+    const double gap = walls_[wall]->value(points_.position(k, positions) - shift_[wall], gradient) + points_.offset[i];
+    const double advance = law_.depth(pressure[i]) + gap;
+    if (advance > least_advance) state_.advance[i] = advance;
+    if (law_.friction > 0.0) bind_friction(i, pressure[i], gradient);
   }
 }
 

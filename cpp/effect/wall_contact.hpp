@@ -59,6 +59,12 @@ class WallContact final : public Effect {
   void update(double gap_tolerance);
   /// Pressures that bound friction move by this share towards those of the last add_force.
   void update_bounds(double share);
+  /// Whether add_force bounds friction by the pressures of its own trial, in the tangent planes there (Coulomb's law
+  /// as it is, without potential), or by those of the last update.
+  void follow_bounds(bool follow) { follow_bounds_ = follow; }
+  /// Sets advances and friction bounds to those of an equilibrium at these positions in which the points are under
+  /// these pressures (Pa).
+  void resume(const NodeField& positions, const std::vector<double>& pressure);
   /// True if a point was so deep behind a wall at the last add_force that the way out is not known.
   [[nodiscard]] bool lost() const { return lost_; }
   [[nodiscard]] int active_count() const { return static_cast<int>(active_.size()); }
@@ -84,6 +90,7 @@ class WallContact final : public Effect {
     double bound;
   };
   void survey(const NodeField& positions);
+  void bind_friction(std::size_t k, double pressure, const Vector3& gradient);
   [[nodiscard]] double farthest_move(const NodeField& positions) const;
   [[nodiscard]] Matrix3 tangential(std::size_t k) const {
     return Matrix3::Identity() - state_.normal[k] * state_.normal[k].transpose();
@@ -105,6 +112,7 @@ class WallContact final : public Effect {
   std::vector<double> clearance_;  // m, gap of each point there
   std::vector<Active> active_;
   bool drop_negative_ = false;
+  bool follow_bounds_ = false;
   bool lost_ = false;
 };
 

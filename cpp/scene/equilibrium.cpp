@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.hpp"
 #include "solver/anderson.hpp"
@@ -16,7 +17,11 @@ constexpr double loose_tolerance = 1e-4;
 constexpr int undamped_updates = 5;  // of the friction bounds, before they are damped
 constexpr int cautious_tangents = 2;
 constexpr double friction_tolerance = 0.01;  // error of the friction bounds over the sum of pressures
-constexpr double wall_step = 1.5e-3;         // m, farthest move of a wall between two solves
+// Residuals over force scale below which friction bounds follow the pressures, and the curvature of walls is trusted.
+constexpr double bounds_follow = 0.03;
+constexpr int following_tangents = 8;  // after which they are held and join the multipliers
+constexpr double curvature_counts = 0.01;
+constexpr double wall_step = 1.5e-3;  // m, farthest move of a wall between two solves
 
 class EquilibriumSolver {
  public:
@@ -27,6 +32,12 @@ class EquilibriumSolver {
     least_force_ = rounding * system.scene().options().tissue.kappa * extent * extent;
     wall_shift_ = options.wall_start;
   }
+  // Movements use the same effects, with bounds that are held within a step.
+  ~EquilibriumSolver() {
+    if (WallContact* contact = system_.contact()) contact->follow_bounds(false);
+  }
+  EquilibriumSolver(const EquilibriumSolver&) = delete;
+  EquilibriumSolver& operator=(const EquilibriumSolver&) = delete;
 
   Status start(const NodeField& positions, const std::vector<double>& pressure) {
     trial_.positions = positions;
@@ -36,6 +47,7 @@ class EquilibriumSolver {
       const std::vector<Vector3> at_rest(wall_shift_.size(), Vector3::Zero());
       contact->begin_increment(system_.scene().mesh().nodes(), at_rest);
       contact->set_shift(wall_shift_);
+      if (!options_.contact_start.empty()) contact->resume(trial_.positions, options_.contact_start);
     }
     evaluate(trial_, true);
     if (pressure.empty())
@@ -67,15 +79,27 @@ class EquilibriumSolver {
   }
 
   Status solve() {
+    if (system_.contact() == nullptr) return minimise(options_.tolerance);
+    bounds_may_follow_ = true;
+    const Status status = settle(options_.tolerance);
+    const bool may_help = status == Status::iteration_limit || status == Status::stalled;
+    if (!may_help || system_.scene().contact_law().friction == 0.0) return status;
+    bounds_may_follow_ = false;
+    return settle(loose_tolerance);
+  }
+
+  // Solves and updates multipliers in turn. While they still change, the residual need not be small.
+  Status settle(double tolerance) {
     WallContact* contact = system_.contact();
-    if (contact == nullptr) return minimise(options_.tolerance);
-    // While multipliers still change, the residual need not be small.
-    double tolerance = std::max(options_.tolerance, loose_tolerance);
+    tolerance = std::max(options_.tolerance, tolerance);
     Status status = minimise(tolerance);
     for (int update = 0; status == Status::converged; ++update) {
       const bool settled = contact->bound_error() <= friction_tolerance;
       if (settled && contact->violation() <= options_.gap_tolerance) {
-        if (tolerance == options_.tolerance) return status;
+        if (tolerance == options_.tolerance) {
+          if (contact->bound_error() > 0.0) free_bounds();
+          return status;
+        }
         tolerance = options_.tolerance;
       } else if (update >= options_.max_contact_updates)
         return Status::iteration_limit;
@@ -83,10 +107,28 @@ class EquilibriumSolver {
         ++report_.contact_updates;
         contact->update(options_.gap_tolerance);
         contact->update_bounds(update >= undamped_updates ? 0.5 : 1.0);
+        tolerance = std::max(options_.tolerance, loose_tolerance);
       }
       status = resume(tolerance);
     }
     return status;
+  }
+
+  // Where held bounds have led to the solution, they may follow the last micrometres after all; else all stays as it
+  // is.
+  void free_bounds() {
+    WallContact& contact = *system_.contact();
+    const Trial kept = trial_;
+    ContactState state = contact.state();
+    bounds_may_follow_ = true;
+    evaluate(trial_, true);
+    if (options_.quasi_newton && factor_stamp_ == system_.factor_stamp() &&
+        quasi_newton(options_.tolerance) == Status::converged && contact.violation() <= options_.gap_tolerance)
+      return;
+    bounds_may_follow_ = false;
+    trial_ = kept;
+    contact.set_state(std::move(state));
+    evaluate(trial_, true);
   }
 
   // On from the present state, at first with the present factor.
@@ -119,15 +161,21 @@ class EquilibriumSolver {
 
   [[nodiscard]] bool renew_factor() {
     const int before = report_.indefinite;
-    const bool done = system_.renew_factor(trial_, 0.0, report_, cautious_ == 0);
+    const bool done = system_.renew_factor(trial_, 0.0, report_, cautious_ == 0 && near(curvature_counts));
     cautious_ = report_.indefinite > before ? cautious_tangents : std::max(0, cautious_ - 1);
     factor_stamp_ = system_.factor_stamp();
     return done;
   }
 
-  // Forces at the trial; with `follow` the stiffening factors are those of its activations.
+  // Forces at the trial; with `follow` the stiffening factors are those of its activations and, near the solution, the
+  // friction bounds those of its pressures.
   void evaluate(Trial& trial, bool follow) {
     ++report_.residuals;
+    if (WallContact* contact = system_.contact()) {
+      const bool bounds_too = follow && bounds_may_follow_ && near(bounds_follow);
+      contact->follow_bounds(bounds_too);
+      followed_ = followed_ || bounds_too;
+    }
     system_.measure(trial);
     if (follow) system_.stiffening(trial, trial.isochoric_scale);
     system_.force(trial, force_);
@@ -136,6 +184,7 @@ class EquilibriumSolver {
     scale_ = system_.force_scale();
   }
 
+  [[nodiscard]] bool near(double share) const { return residual_ < share * scale_; }
   [[nodiscard]] bool small(double tolerance) const { return residual_ <= tolerance * scale_ + least_force_; }
 
   // Moves held components and walls by as much of what is left as a linear predictor can be trusted with: no point
@@ -197,6 +246,7 @@ class EquilibriumSolver {
       if (small(tolerance)) return Status::converged;
       if (hold_factors && outer_target == 0.0) outer_target = 0.03 * residual_;
       ++report_.iterations;
+      if (std::exchange(followed_, false) && ++following_ > following_tangents) bounds_may_follow_ = false;
       if (!renew_factor()) return Status::indefinite;
       const double before = residual_;
       double step = 0.0;
@@ -286,6 +336,7 @@ class EquilibriumSolver {
     }
     if (small(tolerance) && valid()) return Status::converged;
     trial_ = std::move(best);
+    residual_ = best_residual;
     evaluate(trial_, true);
     return Status::stalled;
   }
@@ -299,7 +350,10 @@ class EquilibriumSolver {
   double residual_ = 0.0;
   double scale_ = 0.0;
   double least_force_ = 0.0;
-  double max_step_ = 0.0;   // m
+  double max_step_ = 0.0;  // m
+  bool bounds_may_follow_ = false;
+  bool followed_ = false;   // they have, since the last Newton iteration
+  int following_ = 0;       // Newton iterations after which they had
   int cautious_ = 0;        // tangents to come without negative curvature of walls, since one was indefinite with it
   long factor_stamp_ = -1;  // of the system's factor when this solve made it
   std::vector<Vector3> wall_shift_;
@@ -322,6 +376,9 @@ Equilibrium equilibrate(System& system, const NodeField& start, const std::vecto
   const std::size_t walls = contact ? contact->walls.size() : 0;
   require(options.wall_start.size() == walls && options.wall_shift.size() == walls,
           "equilibrium: one displacement per wall is needed");
+  require(options.contact_start.empty() ||
+              options.contact_start.size() == (contact ? static_cast<std::size_t>(contact->points.count()) : 0),
+          "equilibrium: one contact pressure per contact point is needed");
   const auto begin = std::chrono::steady_clock::now();
   system.seconds() = Seconds{};
   Equilibrium result;

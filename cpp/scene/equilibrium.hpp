@@ -7,10 +7,13 @@
 // solve where a Newton iteration costs a factorisation. If this does not converge, the factors are held until the
 // energy is minimised and updated in an outer loop.
 //
-// Contact joins as an augmented Lagrangian: its multipliers and the bounds of friction are held in each solve, take the
-// pressures found, and the solve goes on from there with the same factor, until gaps and pressures obey the laws of
-// contact. Friction opposes the slip since rest: the posture is reached from rest in one increment, whatever the solve
-// starts from.
+// Contact joins as an augmented Lagrangian: its multipliers are held in each solve, take the pressures found, and the
+// solve goes on from there with the same factor, until gaps and pressures obey the laws of contact. Friction opposes
+// the slip since rest: the posture is reached from rest in one increment, whatever the solve starts from. Its bounds
+// are held while the residual is large, so that there is an energy to minimise, and follow the pressures, as the
+// stiffening factors follow the activations, once it is small; if this does not converge, they join the multipliers.
+// The concave part of the walls' curvature stays out of the factor until the residual is small: it makes every fourth
+// tangent on the way indefinite and shortens no way.
 #pragma once
 
 #include "scene/system.hpp"
@@ -25,6 +28,7 @@ struct EquilibriumOptions {
   double gap_tolerance = 4.5e-5;  ///< m, deepest penetration of a wall, widest gap that still pushes
   int max_contact_updates = 80;
   std::vector<Vector3> wall_start, wall_shift;  ///< m, displacement of each wall at first and at last
+  std::vector<double> contact_start;            ///< Pa, of each contact point at the start; empty: none presses
   Interrupt interrupt;
 };
 
@@ -41,7 +45,8 @@ struct Equilibrium {
 };
 
 /// Solves from `start` (positions of all nodes; element pressures may be empty). Held components of `start` that
-/// differ from `target` are moved there in as few increments as keep every element uninverted.
+/// differ from `target` are moved there in as few increments as keep every element uninverted. Where `start` is an
+/// equilibrium, the pressures of its contact points carry the state of its contact, and the solve ends where it begins.
 /// Never throws for numerical failure: the report says how it ended and the state is the last good one.
 [[nodiscard]] Equilibrium equilibrate(System& system, const NodeField& start, const std::vector<double>& pressure,
                                       const NodeField& target, const EquilibriumOptions& options);

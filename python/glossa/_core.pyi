@@ -119,6 +119,7 @@ class Solver:
         load: _Reals | None = None,
         wall_start: _Reals | None = None,
         wall_shift: _Reals | None = None,
+        contact_pressure: _Reals | None = None,
         tolerance: float = 1e-8,
         gap_tolerance: float = 4.5e-5,
         max_iterations: int = 150,

@@ -280,7 +280,9 @@ class Body:
 
     def restrict_contact(self, contact: Contact | None) -> tuple[FloatArray | None, FloatArray | None]:
         """Pressures and drags to start from, of the body's contact points; None where they do not fit."""
-        if self.contact is None or contact is None or not np.array_equal(contact.wall, self.contact.wall):
+        if self.contact is None or contact is None or contact.walls != self.contact.walls:
+            return None, None
+        if not np.array_equal(contact.wall, self.contact.wall) or not np.array_equal(contact.areas, self.contact.areas):
             return None, None
         return contact.pressures[self._rows], contact.drags[self._rows]
 

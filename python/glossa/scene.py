@@ -276,7 +276,9 @@ class Scene:
 
         Args:
             commands: lambda by muscle; muscles not named are silent; None: no muscle acts.
-            start: posture or (n, 3) positions in m to start from; None: rest.
+            start: posture or (n, 3) positions in m to start from; None: rest. An equilibrium brings the state of its
+                contact along, so that nothing is left to do where it is one of these commands, too, and little where
+                they differ by a few percent. The slip that friction opposes counts from rest all the same.
             prescribed: displacement from rest of node sets, (3,) or (k, 3) in m; None as a component leaves it free.
                 "wall:name" displaces a wall, (3,) in m.
             loads: total dead force on node sets, (3,) in N. It is spread as a uniform traction over the boundary faces
@@ -314,12 +316,17 @@ class Scene:
             load=None if load is None else self._body.restrict_forces(load, "loads"),
             wall_start=self._wall_shift({} if before is None else before.wall_displacements),
             wall_shift=self._wall_shift(walls),
+            contact_pressure=None if before is None or before.time is not None else self._pressed(before),
             tolerance=tolerance,
             gap_tolerance=GAP_TOLERANCE[accuracy],
             max_iterations=limit,
         )
         posture = self._posture(solution, checked, free, walls)
         return self._finished(posture)
+
+    def _pressed(self, start: Posture) -> FloatArray | None:
+        """Pressures of the body's contact points, Pa; None where the posture's are others."""
+        return self._body.restrict_contact(start.contact)[0]
 
     def _wall_shift(self, walls: Mapping[str, FloatArray]) -> FloatArray | None:
         """(walls, 3) m; None without contact."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from functools import cache
 
 import numpy as np
@@ -129,6 +130,49 @@ def test_schwa_hardly_needs_walls(reference: Speaker) -> None:
     without = Scene(reference, contact=False, mirror=True).equilibrate(VOWELS["ə"])
     difference = (vowel_of(reference, 0.1, "ə").forces - without.forces).abs()
     assert difference.max() < 0.05  # N; 0.03 seen
+
+
+# From elsewhere
+
+
+@pytest.mark.parametrize("mirror", [True, False])
+@pytest.mark.parametrize("friction", FRICTIONS)
+def test_a_posture_is_its_own_equilibrium(reference: Speaker, friction: float, mirror: bool) -> None:
+    vowel = "ə" if not mirror else "i"
+    scene, posture = scene_of(reference, friction, mirror), vowel_of(reference, friction, vowel, mirror)
+    for start in (posture, pickle.loads(pickle.dumps(posture))):
+        again = scene.equilibrate(VOWELS[vowel], start=start)
+        assert again.report is not None
+        assert (again.report.iterations, again.report.quasi_newton, again.report.factorisations) == (0, 0, 0)
+        assert largest(again.positions - posture.positions) < 1e-15
+        assert again.contact is not None
+        assert posture.contact is not None
+        assert again.contact.pressures == pytest.approx(posture.contact.pressures, abs=1e-6)
+        assert again.contact.drags == pytest.approx(posture.contact.drags, abs=1e-6)
+
+
+def test_a_neighbour_is_near(reference: Speaker) -> None:
+    """The same posture as from rest, for a third of its factorisations at most."""
+    scene, start = scene_of(reference, 0.1), vowel_of(reference, 0.1, "i")
+    commands = VOWELS["i"].scaled("GGp", 1.05)
+    cold, warm = scene.equilibrate(commands), scene.equilibrate(commands, start=start)
+    assert largest(warm.positions - cold.positions) < 1e-8
+    assert cold.report is not None
+    assert warm.report is not None
+    assert 0 < 3 * warm.report.factorisations <= cold.report.factorisations
+
+
+def test_starts_of_other_scenes(reference: Speaker) -> None:
+    """Without walls, with other friction, of the whole body: what fits is taken, and the posture is the same."""
+    here = vowel_of(reference, 0.1, "ə")
+    others = [
+        Scene(reference, contact=False, mirror=True).equilibrate(VOWELS["ə"]),
+        vowel_of(reference, 0.0, "ə"),
+        vowel_of(reference, 0.1, "ə", False),
+    ]
+    for other in others:
+        found = scene_of(reference, 0.1).equilibrate(VOWELS["ə"], start=other)
+        assert largest(found.positions - here.positions) < 1e-7
 
 
 # Walls out of reach

@@ -99,7 +99,7 @@ class Setup:
         """
         start = self.start
         if start is not None:
-            start = replace(start, contact=None, hyoid=None, support_forces=None, stiffening=None, report=None)
+            start = replace(start, hyoid=None, support_forces=None, stiffening=None, report=None)
         try:
             content = pickle.dumps((self.scene, start, self.positions), protocol=pickle.HIGHEST_PROTOCOL)
         except (pickle.PicklingError, TypeError, AttributeError) as error:

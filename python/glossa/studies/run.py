@@ -311,7 +311,9 @@ def _start_hash(start: Posture | None) -> str | None:
     if start is None:
         return None
     digest = hashlib.sha256()
-    for array in (start.positions, start.pressure, *(start.wall_displacements[k] for k in start.wall_displacements)):
+    pressed = None if start.contact is None else start.contact.pressures
+    shifts = start.wall_displacements.values()
+    for array in (start.positions, start.pressure, pressed, *shifts):
         if array is not None:
             digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
     digest.update(canonical(list(start.wall_displacements)).encode())

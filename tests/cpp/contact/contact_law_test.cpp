@@ -33,6 +33,13 @@ TEST_CASE("contact law: pressure is the slope of the energy, its slope that of t
   CHECK_WITHIN(std::abs(law.slope(1e-12) / 4e8 - 1.0), 1e-6);
 }
 
+TEST_CASE("contact law: depth undoes pressure") {
+  CHECK(law.depth(-1.0) == 0.0);
+  CHECK(law.depth(0.0) == 0.0);
+  for (const double depth : {1e-9, 1e-6, 1e-5, 2.5e-5, 3.9e-5, 4.1e-5, 2e-4})
+    CHECK_WITHIN(std::abs(law.depth(law.pressure(depth)) / depth - 1.0), 1e-14);
+}
+
 TEST_CASE("contact law: energy, pressure and slope have no jump where the law goes on in a straight line") {
   const double limit = 0.8 * law.deepest;
   for (const double depth : {0.0, limit}) {

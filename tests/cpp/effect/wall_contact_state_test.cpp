@@ -70,6 +70,42 @@ TEST_CASE("wall contact: advanced walls hold the body with a closed gap, and ste
   CHECK(p.effect.violation() == 0.0);
 }
 
+TEST_CASE(
+    "wall contact: bounds that follow are those of the trial itself; held ones are those of the last that followed") {
+  Pressed p(0.5);
+  p.effect.begin_increment(p.mesh.nodes(), {Vector3::Zero()});
+  CHECK_WITHIN(std::abs(p.raise(1e-5, 1e-3).x()), 1e-15);
+  p.effect.follow_bounds(true);
+  CHECK_WITHIN(std::abs(p.raise(1e-5, 1e-3).x() / (0.5 * 1e-4 * law.pressure(1e-5)) - 1.0), 1e-12);
+  CHECK(p.effect.bound_error() == 0.0);
+  CHECK_WITHIN(std::abs(p.raise(2e-5, 1e-3).x() / (0.5 * 1e-4 * law.pressure(2e-5)) - 1.0), 1e-12);
+  p.effect.follow_bounds(false);
+  CHECK_WITHIN(std::abs(p.raise(1e-5, 1e-3).x() / (0.5 * 1e-4 * law.pressure(2e-5)) - 1.0), 1e-12);
+  CHECK(p.effect.bound_error() > 0.5);
+  p.effect.follow_bounds(true);
+  CHECK(p.raise(-1e-3, 1e-3).norm() == 0.0);
+}
+
+TEST_CASE("wall contact: a state is resumed from positions and pressures") {
+  for (const double up : {1e-5, -5e-6}) {  // pressed in; held over a gap by a wall that has advanced
+    Pressed p(0.5), q(0.5);
+    for (Pressed* one : {&p, &q}) one->effect.begin_increment(one->mesh.nodes(), {Vector3::Zero()});
+    p.raise(2e-5);
+    if (up < 0.0) p.effect.update(1e-6);
+    p.raise(up, 1e-3);
+    p.effect.update_bounds(1.0);
+    const Vector3 force = p.raise(up, 1e-3);
+    CHECK(force.z() > 0.1);
+    std::vector<double> pressure;
+    std::vector<Vector3> drag;
+    p.effect.tractions(pressure, drag);
+    q.effect.resume(mapped(q.mesh.nodes(), Matrix3::Identity(), Vector3(1e-3, 0.0, up)), pressure);
+    CHECK_WITHIN((q.raise(up, 1e-3) - force).norm() / force.norm(), 1e-12);
+    for (std::size_t k = 0; k < pressure.size(); ++k)
+      CHECK_WITHIN(std::abs(q.effect.state().advance[k] - p.effect.state().advance[k]), 1e-17);
+  }
+}
+
 TEST_CASE("wall contact: repeated updates close the gap under a load") {
   Pressed p;
   double up = 0.0;

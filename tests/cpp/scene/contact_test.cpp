@@ -152,20 +152,55 @@ TEST_CASE("contact: a convex and a concave wall are pressed in to the tolerance"
   }
 }
 
-TEST_CASE("contact: a start from the posture itself stays there") {
-  for (const double friction : {0.0, 0.2}) {
-    const Roofed body(friction);
-    Solver solver(Scene(body.mesh, body.options));
-    const EquilibriumOptions how = Roofed::lowered(Vector3(5e-4, 0, -2e-3));
-    const Equilibrium first = body.posture(solver, how);
-    REQUIRE(first.report.status == Status::converged);
-    EquilibriumOptions again = how;
-    again.wall_start = how.wall_shift;
-    const Equilibrium second =
-        equilibrate(*solver.system(body.options.free, {}), first.positions, first.pressure, body.mesh.nodes(), again);
-    REQUIRE(second.report.status == Status::converged);
-    CHECK_WITHIN(distance(second.positions, first.positions), friction > 0.0 ? 5e-6 : 1e-9);  // error of the bounds
+TEST_CASE("contact: a start from the posture itself stays there, at once with the pressures of its contact") {
+  for (const double friction : {0.0, 0.2})
+    for (const double gap_tolerance : {4.5e-5, 1e-7}) {  // without and with multipliers
+      CAPTURE(friction);
+      CAPTURE(gap_tolerance);
+      const Roofed body(friction);
+      Solver solver(Scene(body.mesh, body.options));
+      System& system = *solver.system(body.options.free, {});
+      EquilibriumOptions how = Roofed::lowered(Vector3(5e-4, 0, -2e-3));
+      how.gap_tolerance = gap_tolerance;
+      const Equilibrium first = body.posture(solver, how);
+      REQUIRE(first.report.status == Status::converged);
+      CHECK((first.report.contact_updates > 0) == (gap_tolerance < 4.5e-5));
+      how.wall_start = how.wall_shift;
+      const Equilibrium without = equilibrate(system, first.positions, first.pressure, body.mesh.nodes(), how);
+      REQUIRE(without.report.status == Status::converged);
+      const bool has_state = friction > 0.0 || gap_tolerance < 4.5e-5;
+      CHECK((without.report.iterations + without.report.quasi_newton > 0) == has_state);
+      CHECK_WITHIN(distance(without.positions, first.positions), gap_tolerance < 4.5e-5 ? 3e-7 : 1e-9);
+      how.contact_start = first.contact_pressure;
+      const Equilibrium again = equilibrate(system, first.positions, first.pressure, body.mesh.nodes(), how);
+      REQUIRE(again.report.status == Status::converged);
+      CHECK(again.report.iterations + again.report.quasi_newton == 0);
+      CHECK(again.report.factorisations == 0);
+      CHECK(again.positions == first.positions);
+      double drag = 0.0, change = 0.0;
+      for (std::size_t k = 0; k < first.contact_drag.size(); ++k) {
+        drag = std::max(drag, first.contact_drag[k].norm());
+        change = std::max(change, (again.contact_drag[k] - first.contact_drag[k]).norm());
+      }
+      CHECK((drag > 10.0) == (friction > 0.0));
+      CHECK_WITHIN(change, 1e-6);
+    }
+}
+
+TEST_CASE("contact: friction is bound by the very pressures of the posture") {
+  const Roofed body(0.15);
+  Solver solver(Scene(body.mesh, body.options));
+  NodeField load(3 * 64, 0.0);
+  for (std::size_t n = 48; n < 64; ++n) load[3 * n] = 0.01;
+  const Equilibrium result = body.posture(solver, Roofed::lowered(Vector3(0, 0, -2e-3)), load);
+  REQUIRE(result.report.status == Status::converged);
+  int sliding = 0;
+  for (std::size_t k = 0; k < result.contact_drag.size(); ++k) {
+    const double size = result.contact_drag[k].norm(), bound = 0.15 * result.contact_pressure[k];
+    CHECK(size <= bound * (1.0 + 1e-12));
+    sliding += bound > 0.0 && size > bound * (1.0 - 1e-12);
   }
+  CHECK(sliding > 5);
 }
 
 TEST_CASE("contact: failures end with a status") {
@@ -180,6 +215,10 @@ TEST_CASE("contact: failures end with a status") {
   CHECK(body.posture(solver, no_update).report.status == Status::iteration_limit);
   const char* message = "equilibrium: one displacement per wall is needed";
   CHECK_THROWS_WITH_AS(body.posture(solver, {}), message, InputError);
+  EquilibriumOptions short_start = Roofed::lowered(Vector3::Zero());
+  short_start.contact_start.assign(3, 1.0);
+  message = "equilibrium: one contact pressure per contact point is needed";
+  CHECK_THROWS_WITH_AS(body.posture(solver, short_start), message, InputError);
 }
 
 TEST_CASE("contact: walls far away change nothing") {
