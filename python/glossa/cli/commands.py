@@ -12,6 +12,7 @@ import glossa
 from glossa import paper
 from glossa.acoustics import AreaFunction, synthesize
 from glossa.cli import output
+from glossa.cli.accuracy_command import accuracy_command
 from glossa.cli.anatomy_commands import muscles_command, speaker_command
 from glossa.cli.calibration_commands import calibrate_command, resolution_command
 from glossa.cli.files import check_outputs, need, need_tracts, write, write_posture, write_tracts
@@ -275,6 +276,9 @@ app.command("calibrate", epilog="Examples: glossa calibrate --show | glossa cali
     calibrate_command
 )
 app.command("resolution", epilog="Examples: glossa resolution | glossa resolution -r 1,2,4 --json")(resolution_command)
+app.command("accuracy", epilog="Examples: glossa accuracy --show | glossa accuracy --save accuracy.nc --plot")(
+    accuracy_command
+)
 app.command(
     "sweep",
     epilog="Examples: glossa sweep -a command.GGp=0.55:0.65:5 -a gravity=upright,supine | glossa sweep -b u "

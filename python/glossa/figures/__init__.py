@@ -3,6 +3,7 @@
 Each returns a :class:`matplotlib.figure.Figure`, to show in a notebook or to write with ``savefig``.
 """
 
+from glossa.figures.accuracy import accuracy
 from glossa.figures.acoustics import area_functions, transfer_functions, vowel_chart
 from glossa.figures.calibration import calibration
 from glossa.figures.cavity import cavity
@@ -21,6 +22,7 @@ from glossa.figures.tract import cutting_planes, tract_sections
 from glossa.figures.transversalis import transversalis
 
 __all__ = [
+    "accuracy",
     "area_functions",
     "calibration",
     "cavity",

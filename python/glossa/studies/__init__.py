@@ -1,5 +1,7 @@
 """Studies: runs that answer a question of the paper, from a scene to a table. Nothing here draws or prints."""
 
+from glossa.studies import accuracy
+from glossa.studies.accuracy import accuracy_study
 from glossa.studies.acoustics import formant_table, movement_tracts, vowel_tracts
 from glossa.studies.contact import contact_over_time, contact_table
 from glossa.studies.costs import effect_costs
@@ -32,6 +34,8 @@ __all__ = [
     "Point",
     "Progress",
     "Replication",
+    "accuracy",
+    "accuracy_study",
     "as_grid",
     "compared_changes",
     "contact_over_time",
