@@ -35,14 +35,9 @@ from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
 from glossa.simulation import Simulation
+from glossa.tolerances import Tolerances, tolerances
 
 log = logging.getLogger(__name__)
-
-STATIC_TOLERANCE = {"draft": 1e-5, "standard": 1e-8, "reference": 1e-11}
-"""Residual over force scale at which an equilibrium counts as converged, by accuracy."""
-
-GAP_TOLERANCE = {"draft": 5e-5, "standard": 5e-5, "reference": 2e-5}
-"""Deepest penetration of a wall in an equilibrium, m, by accuracy."""
 
 
 class Scene:
@@ -269,7 +264,7 @@ class Scene:
         start: Posture | FloatArray | None = None,
         prescribed: Mapping[str, Any] | None = None,
         loads: Mapping[str, Any] | None = None,
-        accuracy: str = "standard",
+        accuracy: str | Tolerances = "standard",
         max_iterations: int = 150,
     ) -> Posture:
         """Static equilibrium of motor commands, gravity, loads and prescribed displacements.
@@ -284,7 +279,8 @@ class Scene:
             loads: total dead force on node sets, (3,) in N. It is spread as a uniform traction over the boundary faces
                 that lie wholly in the set, or equally over its nodes where there are none.
             accuracy: "draft", "standard" or "reference": residual below 1e-5, 1e-8 or 1e-11 of the force scale, and
-                no wall entered deeper than 0.05, 0.05 or 0.02 mm at any contact point.
+                no wall entered deeper than 0.05, 0.05 or 0.02 mm at any contact point; or a
+                :class:`glossa.tolerances.Tolerances`.
             max_iterations: Newton iterations after which the solve is given up.
 
         Raises:
@@ -293,7 +289,7 @@ class Scene:
             SolveInterrupted: Ctrl-C; ``posture`` is the last good state.
         """
         checked = self._commands(commands)
-        tolerance = STATIC_TOLERANCE[one_of(accuracy, tuple(STATIC_TOLERANCE), "accuracy")]
+        wanted = tolerances(accuracy)
         limit = whole_number(max_iterations, "max_iterations", 1, 100_000)
         from_positions, pressure = self._start(start)
         walls, sets = wall_displacements(self.speaker, prescribed or {})
@@ -317,8 +313,8 @@ class Scene:
             wall_start=self._wall_shift({} if before is None else before.wall_displacements),
             wall_shift=self._wall_shift(walls),
             contact_pressure=None if before is None or before.time is not None else self._pressed(before),
-            tolerance=tolerance,
-            gap_tolerance=GAP_TOLERANCE[accuracy],
+            tolerance=wanted.residual,
+            gap_tolerance=wanted.gap,
             max_iterations=limit,
         )
         posture = self._posture(solution, checked, free, walls)

@@ -21,9 +21,9 @@ from glossa.cli.options import (
     check_output,
     make_scene,
     make_speaker,
-    numbers,
+    whole_numbers,
 )
-from glossa.cli.running import study_bar
+from glossa.cli.running import refuse_failed, study_bar
 from glossa.errors import InputError
 from glossa.studies.accuracy import FULL, QUICK, AccuracySettings, accuracy_study, committed_study
 
@@ -90,17 +90,11 @@ def accuracy_command(
 def _settings(quick: bool, resolutions: str | None, repetitions: int | None) -> AccuracySettings:
     settings = QUICK if quick else FULL
     if resolutions is not None:
-        values = numbers("--resolutions", resolutions)
-        levels = [int(value) for value in values]
-        if levels != values:
-            raise InputError(f"--resolutions must be whole numbers, got {resolutions!r}")
-        settings = replace(settings, resolutions=levels)
+        settings = replace(settings, resolutions=whole_numbers("--resolutions", resolutions))
     return settings if repetitions is None else replace(settings, repetitions=repetitions)
 
 
 def _refuse_failed(study: xr.Dataset) -> None:
     """Choices that fail without an effect are results; others are failures."""
     own = study.isel(choice=(study["family"] != "effects").to_numpy())
-    failed = [str(reason) for reason in own["reason"].to_numpy().ravel() if reason]
-    if failed:
-        raise output.failure(f"{len(failed)} solves failed, the first: {failed[0]}", 1)
+    refuse_failed(own["reason"].to_numpy().ravel().tolist(), "solves")

@@ -11,8 +11,7 @@ import xarray as xr
 
 from glossa.cli import output
 from glossa.cli.files import write_netcdf
-from glossa.cli.options import JsonOption, LandmarksOption, SaveOption, check_output, numbers
-from glossa.errors import InputError
+from glossa.cli.options import JsonOption, LandmarksOption, SaveOption, check_output, whole_numbers
 from glossa.studies.calibration import Outcome, calibrate, calibrated_parameters, effects, outcome, summary
 from glossa.studies.resolution import error_bars, resolution_study
 
@@ -70,10 +69,7 @@ def resolution_command(
 ) -> None:
     """The vowels of the built-in speaker at three resolutions: changes, observed orders, errors; takes minutes."""
     check_output(save, (".nc",))
-    values = numbers("--resolutions", resolutions)
-    levels = [int(value) for value in values]
-    if levels != values:
-        raise InputError(f"--resolutions must be whole numbers, got {resolutions!r}")
+    levels = whole_numbers("--resolutions", resolutions)
     study = resolution_study(levels, landmarks=landmarks, progress=output.say)
     bars = {quantity: error_bars(study, quantity) for quantity in BOUND}
     write_netcdf(study, save)

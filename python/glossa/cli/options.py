@@ -191,6 +191,19 @@ def numbers(option: str, text: str) -> list[float]:
         raise InputError(f"{option} must be numbers with commas between them, got {text!r}") from None
 
 
+def whole_numbers(option: str, text: str) -> list[int]:
+    """Whole numbers with commas between them.
+
+    Raises:
+        InputError: something else; the message names the option.
+    """
+    values = numbers(option, text)
+    whole = [int(value) for value in values if value.is_integer()]
+    if len(whole) < len(values):
+        raise InputError(f"{option} must be whole numbers, got {text!r}")
+    return whole
+
+
 def check_output(path: Path | None, suffixes: Sequence[str] = ()) -> None:
     """Refuse a file that could not be written, before anything is computed.
 

@@ -34,7 +34,7 @@ from glossa.cli.options import (
     numbers,
     vowel_name,
 )
-from glossa.cli.running import study_bar, study_executor
+from glossa.cli.running import refuse_failed, study_bar, study_executor
 from glossa.studies.delay import DELAYS, delay
 from glossa.studies.gravity import CARDINALS, gravity
 from glossa.studies.sensitivity import sensitivity
@@ -141,8 +141,8 @@ def gravity_command(
     if plot_forces is not None:
         write(figures.gravity_forces(study), plot_forces)
     write_netcdf(study, save)
-    _refuse_failed([*study["final_reason"].values.ravel(), *study["static_reason"].values.ravel()])
-    _refuse_failed(study["vowel_reason"].values.ravel().tolist())
+    refuse_failed([*study["final_reason"].values.ravel(), *study["static_reason"].values.ravel()])
+    refuse_failed(study["vowel_reason"].values.ravel().tolist())
 
 
 @output.guarded
@@ -178,7 +178,7 @@ def transversalis_command(
 
         write(figures.transversalis(study, scene.speaker), plot)
     write_netcdf(study, save)
-    _refuse_failed(study["reason"].values.tolist())
+    refuse_failed(study["reason"].values.tolist())
 
 
 @output.guarded
@@ -216,15 +216,9 @@ def delay_command(
 
         write(figures.delay_traces(study), plot)
     write_netcdf(study, save)
-    _refuse_failed(study["reason"].values.tolist())
+    refuse_failed(study["reason"].values.tolist())
 
 
 def _told() -> Callable[[str], None] | None:
     """What is being computed, on stderr, where somebody looks on."""
     return output.say if sys.stderr.isatty() else None
-
-
-def _refuse_failed(reasons: list[str]) -> None:
-    failed = [reason for reason in reasons if reason]
-    if failed:
-        raise output.failure(f"{len(failed)} runs failed, the first: {failed[0]}", 1)

@@ -1,11 +1,11 @@
-"""Where the runs of a study are computed, and how far they are: workers, and a bar on stderr."""
+"""Where the runs of a study are computed, how far they are, and which failed: workers, a bar on stderr, exit status."""
 
 from __future__ import annotations
 
 import contextlib
 import importlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from typing import Any
 
@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
+from glossa.cli import output
 from glossa.cli.files import need
 from glossa.errors import InputError
 from glossa.studies.executors import worker_pool
@@ -70,3 +71,14 @@ def pace(progress: Progress) -> str:
         words = f"{progress.rate:.2g}/s, {hours}:{minutes:02}:{seconds:02} left"
     failed = f", {progress.failed} failed" if progress.failed else ""
     return f"{words}{failed}".removeprefix(", ")
+
+
+def refuse_failed(reasons: Sequence[str], noun: str = "runs") -> None:
+    """End with status 1 where there is a reason that is not empty.
+
+    Raises:
+        typer.Exit: then, after the number of failures and the first reason on stderr.
+    """
+    failed = [reason for reason in reasons if reason]
+    if failed:
+        raise output.failure(f"{len(failed)} {noun} failed, the first: {failed[0]}", 1)

@@ -1,22 +1,23 @@
 """The numerical choices of an accuracy study: which there are, what each changes, and what it is measured against.
 
 Q2/P1 hexahedra do not exist in glossa. An equilibrium has two tolerances, which ``accuracy`` sets together and this
-study one by one: the residual at which it counts as found (``STATIC_TOLERANCE`` of glossa.scene), how deep a wall may
-be entered (``GAP_TOLERANCE``). Movements have one of their own, the local error; contact follows the steps there.
+study one by one: the residual at which it counts as found, and how deep a wall may be entered (glossa.tolerances).
+Movements have one of their own, the local error; contact follows the steps there.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
 from glossa.errors import InputError
-from glossa.scene import GAP_TOLERANCE, STATIC_TOLERANCE, Scene
+from glossa.scene import Scene
 from glossa.simulation import LOCAL_ERROR
 from glossa.studies.accuracy_settings import LEFT_OUT, MOVING, AccuracySettings
+from glossa.tolerances import ACCURACIES, Tolerances
 
 POSTURE, MOVEMENT = "posture", "movement"
 KINDS = (POSTURE, MOVEMENT)
@@ -37,10 +38,10 @@ INTEGRATORS: Mapping[str, str] = MappingProxyType(
 )
 """Families of fixed steps, and what :meth:`glossa.Scene.simulate` calls them."""
 
-EXACT = {"tolerances": (1e-11, 0.1e-6)}
-"""Residual over force scale and depth in m of the reference of equilibria."""
+EXACT = {"accuracy": Tolerances(residual=1e-11, gap=0.1e-6)}
+"""Of the reference of equilibria."""
 
-NEXT = {"tolerances": (1e-11, 0.25e-6)}
+NEXT = {"accuracy": Tolerances(residual=1e-11, gap=0.25e-6)}
 """The same of the second one that shows the error of the first."""
 
 _LOCKING = 2  # finest resolution with Q1
@@ -55,8 +56,7 @@ class Run:
         vowel: its commands.
         resolution: of the built-in speaker.
         scene: options that differ from those of the study's scene.
-        solve: arguments of the solve; those of an equilibrium may be ``tolerances``: its residual over force scale, and
-            the depth in m to which a wall may be entered.
+        solve: arguments of the solve.
     """
 
     kind: str
@@ -150,12 +150,12 @@ def _posture_choices(scene: Scene, settings: AccuracySettings, resolutions: Sequ
 
 def _tolerances(scene: Scene, settings: AccuracySettings) -> Iterator[Choice]:
     """The presets; then residuals with the standard depth, and depths with the standard residual."""
-    for accuracy, tolerance in STATIC_TOLERANCE.items():
+    for accuracy, own in ACCURACIES.items():
         solve: dict[str, Any] = {} if accuracy == "standard" else {"accuracy": accuracy}
-        yield Choice(kind=POSTURE, family="preset", label=accuracy, setting=tolerance, against=SOLVE, solve=solve)
-    residual, gap = STATIC_TOLERANCE["standard"], GAP_TOLERANCE["standard"]
+        yield Choice(kind=POSTURE, family="preset", label=accuracy, setting=own.residual, against=SOLVE, solve=solve)
+    standard = ACCURACIES["standard"]
     for value in settings.residuals:
-        solve = {"tolerances": (value, gap)}
+        solve = {"accuracy": replace(standard, residual=value)}
         yield Choice(kind=POSTURE, family="residual", label=f"{value:g}", setting=value, against=SOLVE, solve=solve)
     for value in settings.gaps if scene.contact else ():
         yield Choice(
@@ -165,7 +165,7 @@ def _tolerances(scene: Scene, settings: AccuracySettings) -> Iterator[Choice]:
             setting=value,
             units="m",
             against=SOLVE,
-            solve={"tolerances": (residual, value)},
+            solve={"accuracy": replace(standard, gap=value)},
         )
 
 

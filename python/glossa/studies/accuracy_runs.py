@@ -91,18 +91,6 @@ def distance(trace: FloatArray, forces: FloatArray, formants: FloatArray, nodes:
     )
 
 
-class _Adjusted:
-    """The core's solver of equilibria with tolerances between and beyond those that a scene offers by name."""
-
-    def __init__(self, solver: Any) -> None:
-        self._solver = solver
-        self.tolerances: dict[str, float] = {}
-
-    def equilibrate(self, **arguments: Any) -> Any:
-        """As the core's."""
-        return self._solver.equilibrate(**(arguments | self.tolerances))
-
-
 class Solves:
     """Solves of one study, each made once."""
 
@@ -119,7 +107,6 @@ class Solves:
         self._scenes: dict[tuple[int, tuple[tuple[str, Any], ...]], Scene] = {}
         self._speakers: dict[int, Speaker] = {1: scene.speaker}
         self._found: dict[Run, Outcome] = {}
-        self._adjusted: tuple[Scene, _Adjusted] | None = None
         self.nodes = six_nodes(scene.speaker)
 
     def outcome(self, run: Run, *, timed: bool = True) -> Outcome:
@@ -153,21 +140,9 @@ class Solves:
     def _solve_of(self, run: Run) -> Callable[[], Posture | Movement]:
         scene, own, options = self._scene_of(run), vowel_commands(run.vowel), dict(run.solve)
         if run.kind == POSTURE:
-            if "tolerances" in options:
-                scene = self._with_tolerances(*options.pop("tolerances"))
             return lambda: scene.equilibrate(own, **options)
         schedule = Ramp(own)
         return lambda: scene.simulate(schedule, self._until, **options)
-
-    def _with_tolerances(self, residual: float, gap: float) -> Scene:
-        """The study's scene with other tolerances of equilibria; the same one every time."""
-        if self._adjusted is None:
-            scene = Scene(self._scene.speaker, **self._scene.options)
-            self._adjusted = scene, _Adjusted(scene._solver)
-            scene.__dict__["_solver"] = self._adjusted[1]
-        scene, solver = self._adjusted
-        solver.tolerances = {"tolerance": residual, "gap_tolerance": gap}
-        return scene
 
     def _scene_of(self, run: Run) -> Scene:
         key = (run.resolution, run.scene)

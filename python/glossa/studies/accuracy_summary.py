@@ -12,16 +12,15 @@ from numpy.typing import NDArray
 
 from glossa.checks import one_of, positive_number
 from glossa.errors import InputError
-from glossa.scene import STATIC_TOLERANCE
 from glossa.studies.accuracy_choices import KINDS, MOVEMENT, POSTURE, WHOLE
+from glossa.studies.accuracy_runs import COUNTS
+from glossa.tolerances import ACCURACIES
 
 MEASURES = ("nodes", "largest", "force", "formant")
 """Errors of :func:`worst`."""
 
 COSTS = ("wall_seconds", "cpu_seconds")
 """Times of :func:`worst`."""
-
-_COUNTED = ("iterations", "factorisations", "residuals", "steps")
 
 _PRESETS = {POSTURE: "preset", MOVEMENT: "adaptive"}
 
@@ -55,7 +54,7 @@ def worst(result: xr.Dataset) -> xr.Dataset:
     for name, values in errors.items():
         unknown = (asked & ~np.isfinite(values)).any("vowel")
         found[name] = values.max("vowel").where(~unknown).assign_attrs(units=units[name])
-    for name in (*COSTS, *_COUNTED):
+    for name in (*COSTS, *COUNTS):
         mean = result[name].mean("vowel").where(failed == 0)
         found[name] = mean.assign_attrs(units="s") if name in COSTS else mean
     return xr.Dataset({**found, "failed": failed}, attrs=result.attrs)
@@ -114,7 +113,7 @@ def presets(result: xr.Dataset) -> pd.DataFrame:
     rows = [
         table[(table["kind"] == kind) & (table["family"] == family) & (table["label"] == accuracy)]
         for kind, family in _PRESETS.items()
-        for accuracy in STATIC_TOLERANCE
+        for accuracy in ACCURACIES
     ]
     return pd.concat(rows).rename(columns={"label": "accuracy"}).set_index(["kind", "accuracy"])[list(_COLUMNS)]
 

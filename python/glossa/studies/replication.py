@@ -9,18 +9,15 @@ from pathlib import Path
 
 import pandas as pd
 
-from glossa import _core
 from glossa.anatomy.speaker import Speaker
-from glossa.scene import GAP_TOLERANCE, STATIC_TOLERANCE, Scene
+from glossa.scene import Scene
+from glossa.studies.provenance import solve_provenance
 from glossa.studies.replication_gravity import gravity_remarks, rest_rows, supine_rows
 from glossa.studies.replication_row import Row, count_verdicts, table_of_rows
 from glossa.studies.replication_runs import Runs, run_studies
 from glossa.studies.replication_variation import dispersion_rows, saturation_rows, table_6, variation_remarks
 from glossa.studies.replication_vowels import single_muscle_rows, table_2, table_4, transversalis_rows
 from glossa.studies.run import Progress
-from glossa.studies.study_point import canonical
-
-_ACCURACY = "standard"
 
 PLACES: tuple[Callable[[Runs], list[Row]], ...] = (
     table_2,
@@ -98,14 +95,5 @@ def replicate(
 
 
 def _provenance(scene: Scene) -> dict[str, str]:
-    effective = {name: getattr(scene, name) for name in scene.options if name != "threads"}
-    return {
-        "glossa_version": _core.__version__,
-        "kernel": _core.kernel_name(),
-        "speaker": scene.speaker.name,
-        "speaker_fingerprint": scene.speaker.fingerprint,
-        "effects": ", ".join(scene.effects),
-        "scene": canonical(effective),
-        "residual_tolerance": f"{STATIC_TOLERANCE[_ACCURACY]:g}",
-        "gap_tolerance_m": f"{GAP_TOLERANCE[_ACCURACY]:g}",
-    }
+    own = solve_provenance(scene) | {"effects": ", ".join(scene.effects)}
+    return {name: value if isinstance(value, str) else f"{value:g}" for name, value in own.items()}

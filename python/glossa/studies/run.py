@@ -23,10 +23,11 @@ from glossa.anatomy.speaker import Speaker
 from glossa.checks import flag, instance
 from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.results import Posture
-from glossa.scene import GAP_TOLERANCE, STATIC_TOLERANCE, Scene
+from glossa.scene import Scene
 from glossa.studies.evaluation import Bench, Record, Setup, built_in_resolution, lost, scene_key
 from glossa.studies.executors import Tasks, check_executor
 from glossa.studies.measurement import Layout
+from glossa.studies.provenance import STUDIED_ACCURACY, effective_options, solve_provenance
 from glossa.studies.store import Store
 from glossa.studies.study_dataset import check_labels, layout_dict, study_dataset
 from glossa.studies.study_point import Point, canonical, plain
@@ -34,8 +35,6 @@ from glossa.studies.study_point import Point, canonical, plain
 __all__ = ["Point", "Progress", "run_points", "study_header"]
 
 log = logging.getLogger(__name__)
-
-_ACCURACY = "standard"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -271,39 +270,27 @@ def study_header(
     label_units: Mapping[str, str],
 ) -> dict[str, Any]:
     """What identifies a study, and the attributes of its Dataset; plain values for JSON."""
-    effects = _effects(scene)
     listed = [point.as_dict() for point in points]
     begin = _start_hash(start)
     attributes = {
         "glossa": "study",
-        "glossa_version": _core.__version__,
-        "kernel": _core.kernel_name(),
-        "speaker": scene.speaker.name,
-        "speaker_fingerprint": scene.speaker.fingerprint,
-        "scene": canonical(effects),
+        **solve_provenance(scene),
         "start": "rest" if start is None else "posture",
         "start_commands": canonical(None if start is None or start.commands is None else dict(start.commands)),
-        "accuracy": _ACCURACY,
-        "residual_tolerance": STATIC_TOLERANCE[_ACCURACY],
-        "gap_tolerance_m": GAP_TOLERANCE[_ACCURACY],
+        "accuracy": STUDIED_ACCURACY,
         "points_sha256": hashlib.sha256(canonical(listed).encode()).hexdigest(),
         "design": canonical(design),
     }
     return {
         "speaker_fingerprint": scene.speaker.fingerprint,
         "glossa_version": _core.__version__,
-        "scene": json.loads(canonical(effects)),
+        "scene": json.loads(canonical(effective_options(scene))),
         "start": begin,
         "layout": layout_dict(layout),
         "points": listed,
         "label_units": plain(label_units),
         "attributes": attributes,
     }
-
-
-def _effects(scene: Scene) -> dict[str, Any]:
-    """The scene's options as they came out, without those that change nothing in a result."""
-    return {name: getattr(scene, name) for name in scene.options if name != "threads"}
 
 
 def _start_hash(start: Posture | None) -> str | None:
