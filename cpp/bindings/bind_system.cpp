@@ -8,11 +8,11 @@ namespace {
 /// The pieces below equilibrate and step: forces, tangent and factor of a scene at given positions, in statics.
 class Pieces {
  public:
-  Pieces(Solver& solver, const DoubleArray& fractions, const py::object& free)
+  Pieces(Solver& solver, const DoubleArray& fractions, const py::object& free, bool whole)
       : nodes_(solver.scene().mesh().node_count()) {
     const std::vector<double> command = to_vector(fractions);
     const FreeMask mask = free.is_none() ? solver.scene().options().free : to_vector(free.cast<ByteArray>());
-    system_ = std::make_unique<System>(solver.scene(), mask, commanded_muscles(command));
+    system_ = std::make_unique<System>(solver.scene(), mask, commanded_muscles(command), whole);
     system_->set_command(command);
     trial_ = system_->rest_trial();
   }
@@ -69,7 +69,7 @@ class Pieces {
       if (roughly)
         system_->precondition(x);
       else
-        system_->newton_step(x);
+        system_->newton_step(x, 1e-15);
       return 0;
     });
     return to_array(std::vector<double>(x.data(), x.data() + x.size()));
@@ -96,11 +96,13 @@ class Pieces {
 }  // namespace
 
 void bind_system(py::module_& module) {
-  py::class_<Pieces>(module, "Pieces",
-                     "Forces, tangent and factor of a scene at given positions (statics, stiffening following), one "
-                     "call each: for tests, benchmarks and own solvers. Call force, then assemble, then factorise.")
-      .def(py::init<Solver&, const DoubleArray&, const py::object&>(), py::keep_alive<1, 2>(), py::arg("solver"),
-           py::arg("fractions"), py::arg("free") = py::none())
+  py::class_<Pieces>(
+      module, "Pieces",
+      "Forces, tangent and factor of a scene at given positions (statics, stiffening following), one "
+      "call each: for tests, benchmarks and own solvers. Call force, then assemble, then factorise. With whole False "
+      "the matrix is that of the solvers, which leave the fibres' stiffness to stretch out where nodes are many.")
+      .def(py::init<Solver&, const DoubleArray&, const py::object&, bool>(), py::keep_alive<1, 2>(), py::arg("solver"),
+           py::arg("fractions"), py::arg("free") = py::none(), py::kw_only(), py::arg("whole") = true)
       .def("force", &Pieces::force, py::arg("positions"), "Sum of all static effects at the nodes, N (n, 3).")
       .def("energy", &Pieces::energy, "Potential energy, stiffening held, J.")
       .def("assemble", &Pieces::assemble, "Symmetric tangent at these positions.")

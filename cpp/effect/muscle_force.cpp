@@ -12,13 +12,14 @@ MuscleForce::MuscleForce(const Macrofibres& fibres, const ForceLaw& law) : fibre
   tension_.assign(count, 0.0);
 }
 
-void MuscleForce::bind(const BlockMatrix& matrix) {
+void MuscleForce::bind(const BlockMatrix& matrix, bool stretch) {
+  stretch_ = stretch;
   slot_start_.assign(1, 0);
   slots_.clear();
   for (Index f = 0; f < fibres_.count(); ++f) {
     const Index* path = fibres_.nodes.begin(f);
     for (Index b = 0; b < fibres_.nodes.length(f); ++b)
-      for (Index a = 0; a <= b; ++a) slots_.push_back(matrix.slot(path[a], path[b]));
+      for (Index a = first_coupled(b); a <= b; ++a) slots_.push_back(matrix.slot(path[a], path[b]));
     slot_start_.push_back(static_cast<Index>(slots_.size()));
   }
 }
@@ -67,7 +68,7 @@ void MuscleForce::add_tangent(const Trial& trial, BlockMatrix& matrix) {
   for (Index f = 0; f < fibres_.count(); ++f) {
     const auto k = static_cast<std::size_t>(f);
     if (trial.activation[k] <= 0.0) continue;
-    const double axial = axial_stiffness(trial, k);
+    const double axial = stretch_ ? axial_stiffness(trial, k) : 0.0;
     const Index count = fibres_.nodes.length(f);
     fibre_gradient(fibres_, f, trial.positions, gradient_);
     bend_.resize(static_cast<std::size_t>(count));
@@ -75,7 +76,7 @@ void MuscleForce::add_tangent(const Trial& trial, BlockMatrix& matrix) {
       bend_[static_cast<std::size_t>(s)] = tension_[k] * fibre_segment(fibres_, f, s, trial.positions).curvature();
     const BlockMatrix::Slot* slot = slots_.data() + slot_start_[k];
     for (Index b = 0; b < count; ++b)
-      for (Index a = 0; a <= b; ++a, ++slot) {
+      for (Index a = first_coupled(b); a <= b; ++a, ++slot) {
         Matrix3 block =
             axial * gradient_[static_cast<std::size_t>(a)] * gradient_[static_cast<std::size_t>(b)].transpose();
         if (a + 1 == b) block -= bend_[static_cast<std::size_t>(a)];
@@ -84,6 +85,12 @@ void MuscleForce::add_tangent(const Trial& trial, BlockMatrix& matrix) {
         matrix.add(*slot, block);
       }
   }
+}
+
+double MuscleForce::stretch(const Trial& trial, Index fibre, std::vector<Vector3>& gradient) const {
+  const double axial = axial_stiffness(trial, static_cast<std::size_t>(fibre));
+  if (axial != 0.0) fibre_gradient(fibres_, fibre, trial.positions, gradient);
+  return axial;
 }
 
 double MuscleForce::energy(const Trial& trial) const {

@@ -11,6 +11,9 @@
 namespace glossa {
 namespace {
 
+constexpr Index many_nodes = 2000;        // above it the fibres' stiffness to stretch stays out of the factor
+constexpr double rough_tolerance = 0.03;  // of solves for quasi-Newton iterations then
+
 double norm(const NodeField& field) {
   return Eigen::Map<const Vector>(field.data(), static_cast<Eigen::Index>(field.size())).norm();
 }
@@ -48,16 +51,6 @@ std::unique_ptr<WallContact> contact_of(const Scene& scene) {
   return std::make_unique<WallContact>(contact->points, contact->walls, scene.contact_law());
 }
 
-Rows<Index> couplings(const Rows<Index>& fibres, const WallContact* contact) {
-  Rows<Index> result = fibres;
-  if (contact != nullptr)
-    for (Index g = 0; g < contact->couplings().size(); ++g) {
-      result.values.insert(result.values.end(), contact->couplings().begin(g), contact->couplings().end(g));
-      result.push_row();
-    }
-  return result;
-}
-
 const std::vector<PointMass>& masses_of(const std::optional<Bone>& bone) {
   static const std::vector<PointMass> none;
   return bone ? bone->masses : none;
@@ -65,7 +58,7 @@ const std::vector<PointMass>& masses_of(const std::optional<Bone>& bone) {
 
 }  // namespace
 
-System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded)
+System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded, bool whole)
     : scene_(scene),
       free_(std::move(free)),
       moving_(with_ties(free_, scene.options().bone)),
@@ -73,7 +66,8 @@ System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded)
       elasticity_(scene.mesh(), scene.batches(), scene.options().tissue, scene.options().element,
                   scene.options().threads),
       contact_(contact_of(scene)),
-      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)) {
+      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)),
+      stretch_apart_(!whole && scene.mesh().node_count() > many_nodes) {
   if (fibres_.count() > 0) muscles_.emplace(fibres_, scene.options().force_law);
   if (scene.options().bone) {
     motion_.emplace(scene.options().bone->ties, scene.mesh().nodes());
@@ -91,17 +85,72 @@ void System::use_layout(bool touching) {
   if (wanted && wanted.get() == layout_) return;
   if (!wanted) {
     const auto& bone = scene_.options().bone;
-    const Rows<Index> coupled = couplings(fibres_.nodes, touching ? contact_.get() : nullptr);
-    wanted = std::make_unique<Layout>(Layout{BlockMatrix(scene_.mesh().node_count(), free_, scene_.mesh().hexahedra(),
-                                                         coupled, &fill_reducing_order, bone ? &bone->ties : nullptr),
-                                             std::nullopt});
+    wanted = std::make_unique<Layout>(
+        Layout{BlockMatrix(scene_.mesh().node_count(), free_, scene_.mesh().hexahedra(), couplings(touching),
+                           &fill_reducing_order, bone ? &bone->ties : nullptr),
+               std::nullopt, std::vector<Index>(free_.size(), -1)});
+    const std::vector<Index>& component = wanted->matrix.component_of_unknown();
+    for (std::size_t k = 0; k < component.size(); ++k)
+      wanted->unknown_of_component[static_cast<std::size_t>(component[k])] = static_cast<Index>(k);
     wanted->matrix.set_mass(scene_.masses());
     for (const PointMass& point : masses_of(bone)) wanted->matrix.add_mass(point.node, point.mass);
     wanted->cholesky.emplace(wanted->matrix.columns(1));
   }
   layout_ = wanted.get();
-  if (muscles_) muscles_->bind(layout_->matrix);
+  if (muscles_) muscles_->bind(layout_->matrix, !stretch_apart_);
   if (contact_ && touching) contact_->bind(layout_->matrix);
+}
+
+// Groups of nodes that effects couple beyond the elements.
+Rows<Index> System::couplings(bool touching) const {
+  Rows<Index> result;
+  const auto add = [&](const Index* begin, const Index* end) {
+    result.values.insert(result.values.end(), begin, end);
+    result.push_row();
+  };
+  for (Index f = 0; f < fibres_.count(); ++f) {
+    const Index *begin = fibres_.nodes.begin(f), *end = fibres_.nodes.end(f);
+    if (!stretch_apart_)
+      add(begin, end);
+    else
+      for (; begin + 1 < end; ++begin) add(begin, begin + 2);
+  }
+  if (touching)
+    for (Index g = 0; g < contact_->couplings().size(); ++g)
+      add(contact_->couplings().begin(g), contact_->couplings().end(g));
+  return result;
+}
+
+// The fibres' stiffness to stretch in the unknowns, at the trial of the last assemble().
+void System::collect_stretch(const Trial& trial) {
+  stretch_.clear();
+  NodeField field(free_.size(), 0.0);
+  std::vector<Vector3> gradient;
+  std::vector<Index> bone_nodes;
+  if (motion_) {
+    bone_nodes = motion_->ties().nodes;
+    bone_nodes.insert(bone_nodes.end(), {motion_->ties().centre, motion_->ties().turn});
+  }
+  const auto collect = [&](Index node) {
+    for (std::size_t c = 3 * static_cast<std::size_t>(node); c < 3 * static_cast<std::size_t>(node) + 3; ++c) {
+      const Index unknown = layout_->unknown_of_component[c];
+      if (unknown >= 0 && field[c] != 0.0) {
+        stretch_.row.push_back(unknown);
+        stretch_.value.push_back(field[c]);
+      }
+      field[c] = 0.0;
+    }
+  };
+  for (Index f = 0; f < fibres_.count(); ++f) {
+    const double axial = muscles_->stretch(trial, f, gradient);
+    if (axial == 0.0) continue;
+    for (Index a = 0; a < fibres_.nodes.length(f); ++a)
+      Eigen::Map<Vector3>(field.data() + 3 * fibres_.nodes.begin(f)[a]) += gradient[static_cast<std::size_t>(a)];
+    if (motion_) motion_->pull_back(trial.positions, field);
+    for (Index a = 0; a < fibres_.nodes.length(f); ++a) collect(fibres_.nodes.begin(f)[a]);
+    for (const Index node : bone_nodes) collect(node);
+    stretch_.close(axial);
+  }
 }
 
 void System::set_load(NodeField load) {
@@ -200,6 +249,7 @@ void System::assemble(const Trial& trial, double mass_scale) {
   if (muscles_) {
     const Stopwatch watch(seconds_, Part::muscles);
     muscles_->add_tangent(trial, *matrix);
+    if (stretch_apart_) collect_stretch(trial);
   }
   if (touching) {
     const Stopwatch watch(seconds_, Part::contact);
@@ -240,37 +290,46 @@ bool System::factorise_as_is(Report& report) {
   const Stopwatch watch(seconds_, Part::factorisation);
   ++report.factorisations;
   ++factor_stamp_;
-  return layout_->cholesky->factorise(layout_->matrix.columns(scene_.options().threads));
+  const int threads = scene_.options().threads;
+  return layout_->cholesky->factorise(layout_->matrix.columns(threads), threads);
 }
 
 bool System::factorise_shifted(Report& report) {
   const Stopwatch watch(seconds_, Part::factorisation);
-  // Diagonal shift, growing from half a percent of the mean stiffness; the direction stays one of descent.
-  const LowerColumns& columns = layout_->matrix.columns(scene_.options().threads);
+  // Diagonal shift, growing from half a thousandth of the mean stiffness (soft bending needs a small one); the
+  // direction stays one of descent.
+  const int threads = scene_.options().threads;
+  const LowerColumns& columns = layout_->matrix.columns(threads);
   double mean = 0.0;
   const std::size_t n = columns.column_start.size() - 1;
   for (std::size_t j = 0; j < n; ++j)
     mean += std::abs(columns.value[static_cast<std::size_t>(columns.column_start[j])]);
   mean /= static_cast<double>(n);
   if (!std::isfinite(mean)) return false;
-  double shift = 5e-3 * mean;
-  for (int attempt = 0; attempt < 7; ++attempt, shift *= 5.0) {
+  double shift = 5e-4 * mean;
+  for (int attempt = 0; attempt < 7; ++attempt, shift *= 10.0) {
     layout_->matrix.shift_diagonal(shift);
     ++report.factorisations;
-    if (layout_->cholesky->factorise(layout_->matrix.columns(scene_.options().threads))) return true;
+    if (layout_->cholesky->factorise(layout_->matrix.columns(threads), threads)) return true;
   }
   return false;
 }
 
-void System::newton_step(Vector& x) {
+void System::newton_step(Vector& x, double tolerance) {
   const Stopwatch watch(seconds_, Part::solve);
-  layout_->cholesky->solve(x);
+  if (stretch_apart_ && !stretch_.weight.empty())
+    layout_->cholesky->solve(x, tolerance, stretch_);
+  else
+    layout_->cholesky->solve(x, tolerance);
   x = -x;
 }
 
 void System::precondition(Vector& x) {
   const Stopwatch watch(seconds_, Part::solve);
-  layout_->cholesky->solve_roughly(x);
+  if (stretch_apart_ && !stretch_.weight.empty())
+    layout_->cholesky->solve(x, rough_tolerance, stretch_);
+  else
+    layout_->cholesky->solve_roughly(x);
   x = -x;
 }
 

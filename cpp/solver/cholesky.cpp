@@ -8,6 +8,7 @@
 #include <omp.h>
 #endif
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,11 @@ extern "C" void openblas_set_num_threads(int);
 
 namespace glossa {
 namespace {
+
+constexpr float slight_share = 1e-5f;  // of the diagonal: some hundred times the rounding of floats
+constexpr int most_refinements = 12;   // that are cheaper than a factor in double precision
+constexpr int most_iterations = 60;
+constexpr double rounding = 1e-12;  // residual over right side that rounding may leave
 
 // CHOLMOD builds with OpenMP ask for four threads in every small loop of a factorisation, which costs three times the
 // factorisation itself. While an object of this class lives, such regions run on the calling thread.
@@ -66,6 +72,28 @@ cholmod_sparse lower(const std::vector<Index>& column_start, const std::vector<I
   return view;
 }
 
+// product = A x, A given by its lower triangle.
+void multiply(const LowerColumns& matrix, const Vector& x, Vector& product) {
+  product.setZero();
+  for (Eigen::Index j = 0; j < x.size(); ++j) {
+    const auto begin = matrix.column_start[static_cast<std::size_t>(j)];
+    const auto end = matrix.column_start[static_cast<std::size_t>(j) + 1];
+    const double xj = x(j);
+    double sum = 0.0;
+    for (Index k = begin; k < end; ++k) {
+      const Index i = matrix.row[static_cast<std::size_t>(k)];
+      const double a = matrix.value[static_cast<std::size_t>(k)];
+      product(i) += a * xj;
+      if (i != j) sum += a * x(i);
+    }
+    product(j) += sum;
+  }
+}
+
+const Index* indices(const void* list) {
+  return static_cast<const Index*>(list);
+}
+
 void fail(const cholmod_common& common, const char* doing) {
   const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory" : "CHOLMOD error";
   throw std::runtime_error(std::string(doing) + ": " + why + " (status " + std::to_string(common.status) + ")");
@@ -103,8 +131,9 @@ struct Cholesky::Impl {
   cholmod_dense* solution = nullptr;
   cholmod_dense* work_y = nullptr;
   cholmod_dense* work_e = nullptr;
-  SingleFactor single;
-  bool single_current = false;
+  std::optional<SingleFactor> single;
+  const LowerColumns* matrix = nullptr;  // of the last factorisation
+  bool exact = false;                    // the factor in double precision is that of the matrix
   double entries = 0.0;
   double flops = 0.0;
 
@@ -131,6 +160,9 @@ Cholesky::Cholesky(const LowerColumns& matrix) : impl_(std::make_unique<Impl>())
   cholmod_sparse view = lower(matrix.column_start, matrix.row, matrix.value.data());
   impl_->factor = cholmod_analyze(&view, &common);
   if (impl_->factor == nullptr) fail(common, "symbolic analysis");
+  const cholmod_factor& factor = *impl_->factor;
+  impl_->single.emplace(
+      SupernodalLayout(factor.nsuper, indices(factor.super), indices(factor.pi), indices(factor.s), matrix));
   impl_->entries = common.lnz;
   impl_->flops = common.fl;
 }
@@ -139,22 +171,71 @@ Cholesky::~Cholesky() = default;
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 
-bool Cholesky::factorise(const LowerColumns& matrix) {
-  [[maybe_unused]] const SingleThread single;
-  cholmod_common& common = impl_->common;
+bool Cholesky::factorise(const LowerColumns& matrix, int threads) {
   // Not a number passes through BLAS without complaint.
   double sum = 0.0;
   for (const double x : matrix.value) sum += x;
   if (!std::isfinite(sum)) return false;
+  impl_->matrix = &matrix;
+  impl_->exact = false;
+  return impl_->single->factorise(matrix, threads) || impl_->single->factorise(matrix, threads, slight_share);
+}
+
+bool Cholesky::factorise_exactly() {
+  [[maybe_unused]] const SingleThread single;
+  cholmod_common& common = impl_->common;
+  const LowerColumns& matrix = *impl_->matrix;
   cholmod_sparse view = lower(matrix.column_start, matrix.row, matrix.value.data());
   common.quick_return_if_not_posdef = 1;
   const int done = cholmod_factorize(&view, impl_->factor, &common);
   if (!done && common.status < CHOLMOD_OK) fail(common, "factorisation");
-  impl_->single_current = false;
-  return common.status != CHOLMOD_NOT_POSDEF && impl_->factor->minor == impl_->factor->n;
+  const cholmod_factor& factor = *impl_->factor;
+  if (common.status == CHOLMOD_NOT_POSDEF || factor.minor != factor.n) return false;
+  impl_->single->copy(indices(factor.px), static_cast<const double*>(factor.x));
+  impl_->exact = true;
+  return true;
 }
 
-void Cholesky::solve(Vector& x) const {
+void Cholesky::solve(Vector& x, double tolerance) {
+  if (!impl_->exact) {
+    const Vector right = x;
+    if (iterate(x, tolerance, most_refinements, nullptr)) return;
+    x = right;
+    if (!factorise_exactly()) return solve_roughly(x);
+  }
+  solve_exactly(x);
+}
+
+void Cholesky::solve(Vector& x, double tolerance, const RankOnes& more) {
+  (void)iterate(x, tolerance, most_iterations, &more);
+}
+
+// Conjugate gradients for the matrix and, where given, more, preconditioned by the factor in single precision. False
+// if they do not end within `most` iterations; x is the last iterate then.
+bool Cholesky::iterate(Vector& x, double tolerance, int most, const RankOnes* more) {
+  const double size = x.norm();
+  if (!(size > 0.0)) return true;
+  Vector residual = x, direction, image(x.size());
+  x.setZero();
+  double product = 0.0;
+  for (int k = 0; k < most; ++k) {
+    Vector z = residual;
+    impl_->single->solve(z);
+    const double next = residual.dot(z);
+    direction = k == 0 ? z : Vector(z + (next / product) * direction);
+    product = next;
+    multiply(*impl_->matrix, direction, image);
+    if (more != nullptr) more->add_product(direction, image);
+    const double curvature = direction.dot(image);
+    if (!(curvature > 0.0)) return false;
+    x += (product / curvature) * direction;
+    residual -= (product / curvature) * image;
+    if (residual.norm() <= tolerance * size) return true;
+  }
+  return residual.norm() < std::max(tolerance, rounding) * size;
+}
+
+void Cholesky::solve_exactly(Vector& x) {
   [[maybe_unused]] const SingleThread single;
   cholmod_common& common = impl_->common;
   cholmod_dense b{};
@@ -173,14 +254,7 @@ void Cholesky::solve(Vector& x) const {
 }
 
 void Cholesky::solve_roughly(Vector& x) {
-  if (!impl_->single_current) {
-    const cholmod_factor& factor = *impl_->factor;
-    const auto ints = [](const void* p) { return static_cast<const Index*>(p); };
-    impl_->single.copy(factor.nsuper, ints(factor.super), ints(factor.pi), ints(factor.s), ints(factor.px),
-                       static_cast<const double*>(factor.x));
-    impl_->single_current = true;
-  }
-  impl_->single.solve(x);
+  impl_->single->solve(x);
 }
 
 double Cholesky::factor_entries() const {

@@ -1,10 +1,12 @@
-// Sparse Cholesky factors through CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), supernodal.
+// Sparse Cholesky factors, supernodal: analysed by CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), computed in
+// single precision by solver/single_factor.hpp and, where that is too rough, in double precision by CHOLMOD.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "effect/block_matrix.hpp"
+#include "solver/rank_ones.hpp"
 
 namespace glossa {
 
@@ -20,11 +22,18 @@ class Cholesky {
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
 
-  /// Factorises; false if the matrix is not positive definite (the previous factor is lost then).
-  [[nodiscard]] bool factorise(const LowerColumns& matrix);
-  /// Replaces `x` by the solution of A x = b, x = b on entry. Needs a successful factorisation.
-  void solve(Vector& x) const;
-  /// As solve, with the factor in single precision: for preconditioning. Half the time, seven digits.
+  /// Factorises in single precision on up to `threads` threads, with a slightly enlarged diagonal where rounding
+  /// makes the matrix indefinite; false if it is not positive definite (the previous factor is lost then). The matrix
+  /// must stay as it is while solve() is used.
+  [[nodiscard]] bool factorise(const LowerColumns& matrix, int threads = 1);
+  /// Replaces `x` by the solution of A x = b, x = b on entry, to a residual of `tolerance` |b| or what rounding in
+  /// double precision allows: with a factor in single precision by conjugate gradients. Needs a successful
+  /// factorisation; makes one in double precision where the single one is too rough.
+  void solve(Vector& x, double tolerance = 1e-15);
+  /// The same for A + `more`, by conjugate gradients with the factor of A; ends short of the tolerance where that
+  /// takes more than some dozens of iterations.
+  void solve(Vector& x, double tolerance, const RankOnes& more);
+  /// With the factor in single precision alone, for preconditioning.
   void solve_roughly(Vector& x);
 
   /// Entries of the factor and floating-point operations of one factorisation.
@@ -32,6 +41,9 @@ class Cholesky {
   [[nodiscard]] double factor_flops() const;
 
  private:
+  [[nodiscard]] bool factorise_exactly();
+  [[nodiscard]] bool iterate(Vector& x, double tolerance, int most, const RankOnes* more);
+  void solve_exactly(Vector& x);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -21,6 +21,8 @@ from glossa.hyoid_motion import HyoidCourse, HyoidNodes, HyoidPose
 
 SYMMETRY_TOLERANCE = 1e-9
 """Relative size of an asymmetry that counts as rounding."""
+START_SYMMETRY_TOLERANCE = 1e-6
+"""The same of positions that a solve may have left: what its tolerance allows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,17 +194,17 @@ class Body:
     # Between the speaker and the body
 
     def restrict_positions(self, positions: FloatArray, what: str) -> FloatArray:
-        """Positions (n, 3) of the speaker on the body; refuses asymmetry in a half body."""
-        own = self._restrict(positions, what)
+        """Positions (n, 3) of the speaker on the body; refuses asymmetry beyond that of a solve in a half body."""
+        own = self._restrict(positions, what, START_SYMMETRY_TOLERANCE)
         return own if self.hyoid is None else self.hyoid.appended(own)
 
-    def _restrict(self, field: FloatArray, what: str) -> FloatArray:
+    def _restrict(self, field: FloatArray, what: str, tolerance: float = SYMMETRY_TOLERANCE) -> FloatArray:
         if self.half is None:
             return np.ascontiguousarray(field)
         image = field[self._pairs] * np.array([1.0, -1.0, 1.0])
         size = float(np.abs(field).max(initial=0.0))
         worst = np.abs(image - field).max(axis=1, initial=0.0)
-        if len(worst) and worst.max() > SYMMETRY_TOLERANCE * max(size, 1e-12):
+        if len(worst) and worst.max() > tolerance * max(size, 1e-12):
             raise InputError(
                 f"{what} is not mirror symmetric about y = 0 (node {int(worst.argmax())}); use mirror=False for it"
             )

@@ -33,7 +33,7 @@ LowerColumns random_sparse(Index n, double margin) {
   return columns;
 }
 
-double backward_error(const Cholesky& factor, const LowerColumns& columns) {
+double backward_error(Cholesky& factor, const LowerColumns& columns) {
   const Eigen::MatrixXd A = dense(columns);
   Vector x = as_vector(Random(92).field(static_cast<std::size_t>(A.rows()), 1.0));
   const Vector b = x;
@@ -86,11 +86,41 @@ TEST_CASE("cholesky: an indefinite matrix is reported, and the object serves aga
   CHECK_WITHIN(backward_error(factor, good), 1e-15);
 }
 
+// A chain of springs with one soft link: positive definite by 1e-9 of its stiffness, below the rounding of floats.
+TEST_CASE("cholesky: what single precision cannot factorise or solve is done in double") {
+  constexpr Index n = 200;
+  LowerColumns chain{{0}, {}, {}};
+  for (Index j = 0; j < n; ++j) {
+    chain.row.push_back(j);
+    chain.value.push_back(j == 0 ? 1.0 + 1e-9 : j == n - 1 ? 1.0 : 2.0);
+    if (j + 1 < n) {
+      chain.row.push_back(j + 1);
+      chain.value.push_back(-1.0);
+    }
+    chain.column_start.push_back(static_cast<Index>(chain.row.size()));
+  }
+  Cholesky factor(chain);
+  REQUIRE(factor.factorise(chain));
+  CHECK_WITHIN(backward_error(factor, chain), 1e-14);
+}
+
+TEST_CASE("cholesky: a loose tolerance leaves a residual within it") {
+  const LowerColumns columns = random_sparse(300, 0.1);
+  Cholesky factor(columns);
+  REQUIRE(factor.factorise(columns));
+  const Vector right = as_vector(Random(95).field(300, 1.0));
+  Vector x = right;
+  factor.solve(x, 1e-3);
+  const double left = (dense(columns) * x - right).norm() / right.norm();
+  CHECK(left < 1e-3);
+  CHECK(left > 1e-15);
+}
+
 TEST_CASE("cholesky: moved objects keep their factor") {
   const LowerColumns columns = random_sparse(60, 0.1);
   Cholesky first(columns);
   REQUIRE(first.factorise(columns));
-  const Cholesky second(std::move(first));
+  Cholesky second(std::move(first));
   CHECK_WITHIN(backward_error(second, columns), 1e-15);
 }
 
