@@ -14,6 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.gradient_recovery import gradient_errors
 from glossa.anatomy.speaker import Speaker
 from glossa.contact import Contact
 from glossa.contact_points import ContactCourse, contact_points
@@ -147,6 +148,15 @@ class Posture:
     def displacements(self) -> FloatArray:
         """(n, 3) m, from the rest positions."""
         return np.asarray(self.positions - self.speaker.nodes)
+
+    @property
+    def strain_errors(self) -> FloatArray:
+        """(m,) where the mesh is too coarse: estimated error of the displacement gradient in each hexahedron.
+
+        Milliseconds, without a solve (see :mod:`glossa.anatomy.gradient_recovery`). How far nodes, forces and formants
+        are off is told by :meth:`glossa.Scene.spatial_error`.
+        """
+        return gradient_errors(self.speaker.nodes, self.displacements, self.speaker.hexahedra)
 
     @property
     def forces(self) -> pd.Series[float]:

@@ -42,6 +42,8 @@ def shape_gradients(points: FloatArray) -> FloatArray:
 _GAUSS = CORNERS / np.sqrt(3.0)
 _GAUSS_GRADIENTS = shape_gradients(_GAUSS)
 _CORNER_GRADIENTS = shape_gradients(CORNERS)
+#: (8 points, 8 corners) trilinear shape functions at the 2 x 2 x 2 Gauss points.
+GAUSS_WEIGHTS = np.prod(1.0 + _GAUSS[:, None, :] * CORNERS, axis=2) / 8.0
 
 
 def _determinants(nodes: FloatArray, hexahedra: IntArray, gradients: FloatArray) -> FloatArray:
@@ -57,6 +59,18 @@ def _determinants(nodes: FloatArray, hexahedra: IntArray, gradients: FloatArray)
 def gauss_determinants(nodes: FloatArray, hexahedra: IntArray) -> FloatArray:
     """(m, 8) determinants of dx/dxi at the 2 x 2 x 2 Gauss points, m3 per unit of the reference cube [-1, 1]^3."""
     return _determinants(nodes, hexahedra, _GAUSS_GRADIENTS)
+
+
+def gauss_gradients(nodes: FloatArray, field: FloatArray, hexahedra: IntArray) -> FloatArray:
+    """(m, 8, 3, 3) gradients of a nodal field (n, 3) at the 2 x 2 x 2 Gauss points; last index: direction."""
+    result = np.empty((len(hexahedra), 8, 3, 3))
+    for start in range(0, len(hexahedra), _BLOCK):
+        chosen = hexahedra[start : start + _BLOCK]
+        jacobians, slopes = (
+            np.einsum("mia,pib->mpab", values[chosen], _GAUSS_GRADIENTS, optimize=True) for values in (nodes, field)
+        )
+        result[start : start + _BLOCK] = slopes @ np.linalg.inv(jacobians)
+    return result
 
 
 def corner_determinants(nodes: FloatArray, hexahedra: IntArray) -> FloatArray:

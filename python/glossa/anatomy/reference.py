@@ -66,6 +66,14 @@ def reference_speaker(resolution: int = 1, landmarks: SpeakerLandmarks | None = 
     return speaker
 
 
+def built_in_resolution(speaker: Speaker) -> int | None:
+    """Resolution of a speaker that is the built-in one with its own landmarks; None of any other."""
+    resolution = round((len(speaker.hexahedra) / len(Block(1).hexahedra())) ** (1.0 / 3.0))
+    if not resolution or len(speaker.hexahedra) != len(Block(resolution).hexahedra()):
+        return None
+    return resolution if reference_speaker(resolution).fingerprint == speaker.fingerprint else None
+
+
 def _node_sets(b: Block) -> dict[str, IntArray]:
     """Attachments, lines and single points."""
     r = b.resolution

@@ -2,7 +2,7 @@
 
 from glossa.studies import accuracy
 from glossa.studies.accuracy import accuracy_study
-from glossa.studies.acoustics import formant_table, movement_tracts, vowel_tracts
+from glossa.studies.acoustics import formant_error, formant_table, movement_tracts, vowel_tracts
 from glossa.studies.contact import contact_over_time, contact_table
 from glossa.studies.costs import effect_costs
 from glossa.studies.damping_ratio import damping_ratio
@@ -46,6 +46,7 @@ __all__ = [
     "displacements_mm",
     "effect_costs",
     "error_bars",
+    "formant_error",
     "formant_table",
     "gravity",
     "gravity_at_rest",

@@ -13,6 +13,7 @@ from glossa.acoustics import AreaFunction, TubeConstants, formants
 from glossa.anatomy.arrays import FloatArray
 from glossa.errors import InputError
 from glossa.results import Movement, Posture
+from glossa.spatial_error import LACKING, SpatialError
 from glossa.tract import LIPS, Lips, area_function
 
 
@@ -83,6 +84,20 @@ def posture_formants(posture: Posture, lips: str | tuple[float, float] | Lips) -
     except InputError as error:
         return np.full(4, math.nan), str(error)
     return found.frequencies, found.reason
+
+
+def formant_error(error: SpatialError, lips: str | tuple[float, float] | Lips) -> tuple[FloatArray, str]:
+    """(4,) Hz that F1 to F4 of a posture lack by the error of its mesh, NaN where not found; and why, or empty.
+
+    Where two resonances change places the numbers of formants do, too, and a large error is told.
+
+    Args:
+        error: of :meth:`glossa.Scene.spatial_error`.
+        lips: as in :func:`glossa.area_function`.
+    """
+    found, reason = posture_formants(error.posture, lips)
+    finer, other = posture_formants(error.finer, lips)
+    return LACKING * (finer - found), reason or other
 
 
 def movement_tracts(movement: Movement, times: ArrayLike, lips: str | tuple[float, float] | Lips) -> list[AreaFunction]:
