@@ -117,7 +117,7 @@ def test_contact(lying: SpatialError) -> None:
     assert fine.contact.touched_areas["floor"] > lying.posture.contact.touched_areas["floor"]
 
 
-@pytest.mark.parametrize("cells", [(3, 2, 2), (6, 4, 4)])
+@pytest.mark.parametrize("cells", [(3, 2, 2), pytest.param((6, 4, 4), marks=pytest.mark.slow)])
 def test_where_the_mesh_is_too_coarse(cells: tuple[int, int, int]) -> None:
     """Recovered gradients against those of a mesh four times as fine: size, order of the hexahedra, and place."""
     body = block(cells)

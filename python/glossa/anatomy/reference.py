@@ -66,10 +66,15 @@ def reference_speaker(resolution: int = 1, landmarks: SpeakerLandmarks | None = 
     return speaker
 
 
+def block_resolution(speaker: Speaker) -> int:
+    """Resolution of a speaker made here; of any other one that means nothing."""
+    return int(np.rint(np.cbrt(len(speaker.hexahedra) / len(Block(1).hexahedra()))))
+
+
 def built_in_resolution(speaker: Speaker) -> int | None:
     """Resolution of a speaker that is the built-in one with its own landmarks; None of any other."""
-    resolution = round((len(speaker.hexahedra) / len(Block(1).hexahedra())) ** (1.0 / 3.0))
-    if not resolution or len(speaker.hexahedra) != len(Block(resolution).hexahedra()):
+    resolution = block_resolution(speaker)
+    if not resolution or len(speaker.hexahedra) != resolution**3 * len(Block(1).hexahedra()):
         return None
     return resolution if reference_speaker(resolution).fingerprint == speaker.fingerprint else None
 

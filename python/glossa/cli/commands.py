@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+import xarray as xr
 
 import glossa
 from glossa import paper
@@ -33,17 +34,20 @@ from glossa.cli.options import (
     PlotOption,
     PlotTractOption,
     ResolutionOption,
+    SpatialErrorOption,
     SpeakerOption,
     VowelArgument,
     VtkOption,
     WavOption,
     check_output,
+    finer_speaker,
     make_scene,
     make_speaker,
     vowel_name,
 )
 from glossa.cli.paper_commands import delay_command, gravity_command, sensitivity_command, transversalis_command
 from glossa.cli.replicate_command import replicate_command
+from glossa.cli.spatial_output import print_spatial_errors, spatial_json
 from glossa.cli.study_commands import sweep_command
 from glossa.errors import InputError
 from glossa.motor import VOWELS, Ramp
@@ -57,6 +61,7 @@ from glossa.studies import (
     rest_posture,
     single_muscle,
     single_muscle_command,
+    spatial_errors,
     vowel_tracts,
     vowels,
 )
@@ -107,6 +112,7 @@ def vowels_command(
     hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
     epg: EpgOption = False,
+    spatial_error: SpatialErrorOption = False,
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
     plot_contact: PlotContactOption = None,
@@ -122,14 +128,18 @@ def vowels_command(
     table = posture_table(postures)
     tracts, reasons = vowel_tracts(postures)
     formants = formant_table(tracts) if tracts else None
+    errors = spatial_errors(scene, postures, finer=finer_speaker(scene.speaker, landmarks)) if spatial_error else None
     if as_json:
         rows = {
-            name: output.posture_json(table, name, posture, formants, epg=epg) for name, posture in postures.items()
+            name: output.posture_json(table, name, posture, formants, epg=epg) | _errors_json(errors, name)
+            for name, posture in postures.items()
         }
         output.print_json({"speaker": scene.speaker.name, "vowels": rows})
     else:
         output.print_postures(scene, postures, table, epg=epg)
         output.print_formants(formants, reasons)
+        if errors is not None:
+            print_spatial_errors(errors)
     from glossa import figures
 
     if plot is not None:
@@ -142,7 +152,9 @@ def vowels_command(
     _refuse_unconverged(postures)
 
 
-@app.command("vowel", epilog="Examples: glossa vowel i --plot i.png --vtk i.vtu | glossa vowel @ --json")
+@app.command(
+    "vowel", epilog="Examples: glossa vowel i --plot i.png --vtk i.vtu | glossa vowel @ --spatial-error --json"
+)
 @output.guarded
 def vowel_command(
     vowel: VowelArgument,
@@ -155,6 +167,7 @@ def vowel_command(
     hyoid: HyoidOption = None,
     mirror: MirrorOption = None,
     epg: EpgOption = False,
+    spatial_error: SpatialErrorOption = False,
     plot: PlotOption = None,
     plot_3d: Plot3dOption = None,
     plot_contact: PlotContactOption = None,
@@ -172,7 +185,9 @@ def vowel_command(
     _check_contact(scene, epg, plot_contact)
     posture = vowels(scene, [name])[name]
     tracts, reasons = vowel_tracts({name: posture})
-    _report_posture(scene, name, posture, {"vowel": name}, as_json, epg, (tracts, reasons))
+    finer = finer_speaker(scene.speaker, landmarks) if spatial_error else None
+    errors = spatial_errors(scene, {name: posture}, finer=finer) if spatial_error else None
+    _report_posture(scene, name, posture, {"vowel": name}, as_json, epg, (tracts, reasons), errors)
     write_posture(name, posture, plot, plot_3d, plot_contact, vtk)
     write_tracts(tracts, reasons, plot_tract, plot_formants)
     if wav is not None:
@@ -378,6 +393,7 @@ def _report_posture(
     as_json: bool,
     epg: bool,
     acoustics: tuple[dict[str, AreaFunction], dict[str, str]] | None = None,
+    errors: xr.Dataset | None = None,
 ) -> None:
     postures = {name: posture}
     table = posture_table(postures)
@@ -385,11 +401,17 @@ def _report_posture(
     formants = formant_table(tracts) if tracts else None
     if as_json:
         entry = output.posture_json(table, name, posture, formants, epg=epg)
-        output.print_json({"speaker": scene.speaker.name, **facts, **entry})
+        output.print_json({"speaker": scene.speaker.name, **facts, **entry, **_errors_json(errors, name)})
     else:
         output.print_postures(scene, postures, table, epg=epg)
         output.print_formants(formants, reasons)
+        if errors is not None:
+            print_spatial_errors(errors)
     _refuse_unconverged(postures)
+
+
+def _errors_json(errors: xr.Dataset | None, name: str) -> dict[str, object]:
+    return {} if errors is None else {"spatial_error": spatial_json(errors, name)}
 
 
 def _refuse_unconverged(postures: dict[str, Posture]) -> None:

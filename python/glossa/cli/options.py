@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from glossa.anatomy.reference import block_resolution
 from glossa.anatomy.speaker import Speaker
 from glossa.effects import DEFAULT
 from glossa.errors import InputError
@@ -67,6 +68,10 @@ HyoidOption = Annotated[
 ]
 EpgOption = Annotated[
     bool, typer.Option("--epg", help="Also print the palatogram: electrodes on the hard palate, # where touched.")
+]
+SpatialErrorOption = Annotated[
+    bool,
+    typer.Option("--spatial-error", help="Also estimate the error of the mesh, from a second solve: seconds each."),
 ]
 PlotContactOption = Annotated[
     Path | None,
@@ -132,6 +137,11 @@ def make_speaker(name: str, resolution: int = 1, landmarks: Path | None = None) 
     if path.is_dir() and not (path / "pb_tongue.json").is_file():
         return Speaker.from_artisynth(path)
     return Speaker.load(path)
+
+
+def finer_speaker(speaker: Speaker, landmarks: Path | None) -> Speaker | None:
+    """For :meth:`glossa.Scene.spatial_error`: one with own landmarks at twice its resolution; None of any other."""
+    return None if landmarks is None else Speaker.reference(2 * block_resolution(speaker), landmarks)
 
 
 def make_scene(
