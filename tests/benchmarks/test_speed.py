@@ -6,7 +6,6 @@ cores of a machine of this class. No seconds are asserted. ``GLOSSA_RESOLUTIONS=
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -16,12 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.benchmarks.converged import FINE_STEP, fine_movement, largest_error
-from tests.benchmarks.fine_meshes import FineMesh, solve_vowels
 from tests.benchmarks.timing import cpu_seconds
 
 from glossa import MUSCLES, VOWELS, Movement, Posture, Ramp, Scene, SolveError, Speaker, _core
-from glossa.studies import effect_costs, worker_pool
+from glossa.studies import effect_costs, size_study
 from glossa.studies.costs import BARE, EFFECTS
+from glossa.studies.size import growth
 
 pytestmark = pytest.mark.slow
 
@@ -154,38 +153,44 @@ def test_neighbours(speaker: Speaker, scene: Scene) -> None:
 @pytest.mark.parametrize("resolution", RESOLUTIONS)
 def test_resolution(resolution: int) -> None:
     """The four vowels of the built-in speaker on finer meshes, from rest, in a process of its own."""
-    with worker_pool(1) as pool:
-        mesh: FineMesh = pool.submit(solve_vowels, resolution).result()
+    study = size_study([resolution]).isel(resolution=0)
     aim = f"; aim {AIMS[resolution]:g} s" if resolution in AIMS else ""
-    print(f"\nresolution {resolution}, {mesh.hexahedra} hexahedra, mirrored, every effect, from rest, run once{aim}")
-    print(f"  speaker and scene {mesh.making:.1f} s; memory of the process at most {mesh.memory / 1e9:.2f} GB")
-    for vowel, (seconds, iterations, factorisations, reason) in mesh.solves.items():
-        print(f"  /{vowel}/ {seconds:7.2f} s {iterations:4} iterations {factorisations:4} factorisations {reason}")
-    assert not any(reason for *_, reason in mesh.solves.values())
+    hexahedra, memory = int(study["hexahedra"]), float(study["memory"]) / 1e9
+    print(f"\nresolution {resolution}, {hexahedra} hexahedra, mirrored, every effect, from rest, run once{aim}")
+    print(f"  speaker and scene {float(study['making_seconds']):.1f} s; memory of the process at most {memory:.2f} GB")
+    for vowel in study["vowel"].values.tolist():
+        own = study.sel(vowel=vowel)
+        work = f"{float(own['iterations']):4.0f} iterations {float(own['factorisations']):4.0f} factorisations"
+        print(f"  /{vowel}/ {float(own['cpu_seconds']):7.2f} s {work} {own['reason'].item()}")
+    assert not any(study["reason"].values.tolist())
 
 
 def test_growth() -> None:
-    """How factor and work grow with the size of the mesh, half and whole tongue."""
-    print("\nsize of the Cholesky factor of the built-in speaker, every effect")
-    print(f"  {'':22}{'unknowns':>10}{'entries':>12}{'flops':>11}{'factorised':>12}{'rate':>14}{'order':>8}")
+    """How factor and work grow with the size of the mesh, half and whole tongue, and what muscles add."""
+    print("\nsize of the Cholesky factor of the built-in speaker, every effect; power of the unknowns; silent muscles")
+    print(f"  {'':22}{'unknowns':>10}{'entries':>12}{'flops':>11}{'power':>8}{'flops':>11}{'power':>8}")
     for mirror in (True, False):
-        before: tuple[float, float] | None = None
-        for resolution in sorted({1, 2, 3, *RESOLUTIONS}):
-            if not mirror and resolution > 2 and resolution not in RESOLUTIONS:
-                continue
-            tongue = Scene(Speaker.reference(resolution), mirror=mirror)
-            pieces = _core.Pieces(tongue._solver, tongue._fractions(VOWELS["ə"]))
-            size, flops = float(len(pieces.unknowns)), float(pieces.factor_flops)
-            work = ""
-            if resolution <= 2 or resolution in RESOLUTIONS:
-                pieces.force(tongue._body.nodes)
-                pieces.assemble()
-                seconds = shortest(pieces.factorise, 5 if resolution == 1 else 2)
-                work = f"{seconds:10.3f} s{flops / seconds / 1e9:8.1f} GF/s"
-            order = "" if before is None else f"{math.log(flops / before[1]) / math.log(size / before[0]):.2f}"
-            what = f"resolution {resolution} {'half' if mirror else 'whole'}"
-            print(f"  {what:22}{size:10.0f}{pieces.factor_entries:12.0f}{flops:11.2e}{work:>26}{order:>8}")
-            before = size, flops
+        levels = sorted({1, 2, 3, *RESOLUTIONS}) if mirror else sorted({1, 2, *RESOLUTIONS})
+        study = size_study([], counted=levels, mirror=mirror)
+        powers = {name: growth(study, name) for name in ("factor_flops", "silent_flops")}
+        for r in levels:
+            own = study.sel(resolution=r)
+            name = f"resolution {r} {'half' if mirror else 'whole'}"
+            sizes = f"{float(own['unknowns']):10.0f}{float(own['factor_entries']):12.0f}"
+            work = [f"{float(own[key]):11.2e}{float(power.sel(resolution=r)):8.2f}" for key, power in powers.items()]
+            print(f"  {name:22}{sizes}{''.join(work)}")
+
+
+def test_factorisation_rate() -> None:
+    """Operations per second of a factorisation; those of finer meshes are nearer to what the processor can."""
+    print("\none factorisation, /ə/ at rest, mirrored")
+    for resolution in sorted({1, 2, *RESOLUTIONS}):
+        tongue = Scene(Speaker.reference(resolution), mirror=True)
+        pieces = _core.Pieces(tongue._solver, tongue._fractions(VOWELS["ə"]))
+        pieces.force(tongue._body.nodes)
+        pieces.assemble()
+        seconds = shortest(pieces.factorise, 5 if resolution == 1 else 2)
+        print(f"  resolution {resolution} {seconds:10.3f} s{float(pieces.factor_flops) / seconds / 1e9:8.1f} GF/s")
 
 
 # Effects

@@ -105,6 +105,7 @@ def test_json(capsys: pytest.CaptureFixture[str], asked: list[Speaker | None]) -
     assert asked == [None]
 
 
+@pytest.mark.slow
 def test_own_landmarks_are_divided_as_they_are(
     capsys: pytest.CaptureFixture[str], asked: list[Speaker | None], tmp_path: Path
 ) -> None:

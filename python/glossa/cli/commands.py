@@ -47,6 +47,7 @@ from glossa.cli.options import (
 )
 from glossa.cli.paper_commands import delay_command, gravity_command, sensitivity_command, transversalis_command
 from glossa.cli.replicate_command import replicate_command
+from glossa.cli.size_command import size_command
 from glossa.cli.spatial_output import print_spatial_errors, spatial_json
 from glossa.cli.study_commands import sweep_command
 from glossa.errors import InputError
@@ -293,6 +294,9 @@ app.command("calibrate", epilog="Examples: glossa calibrate --show | glossa cali
 app.command("resolution", epilog="Examples: glossa resolution | glossa resolution -r 1,2,4 --json")(resolution_command)
 app.command("accuracy", epilog="Examples: glossa accuracy --show | glossa accuracy --save accuracy.nc --plot")(
     accuracy_command
+)
+app.command("size", epilog="Examples: glossa size --show | glossa size -r 1,2 --counted 3,4 --plot size.png")(
+    size_command
 )
 app.command(
     "sweep",

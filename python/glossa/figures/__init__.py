@@ -16,6 +16,7 @@ from glossa.figures.gravity import gravity_forces, gravity_shapes
 from glossa.figures.material import damping_ratio, stress_strain
 from glossa.figures.midsagittal import midsagittal, midsagittal_panels
 from glossa.figures.overview import overview
+from glossa.figures.size import size
 from glossa.figures.spatial import frontal_views, muscles, surfaces
 from glossa.figures.speaker import speaker
 from glossa.figures.tract import cutting_planes, tract_sections
@@ -44,6 +45,7 @@ __all__ = [
     "muscles",
     "overview",
     "saturation",
+    "size",
     "speaker",
     "stress_strain",
     "surfaces",

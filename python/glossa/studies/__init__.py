@@ -21,6 +21,7 @@ from glossa.studies.run import Point, Progress, run_points
 from glossa.studies.sensitivity import sensitivity, sensitivity_changes
 from glossa.studies.sensitivity_summary import compared_changes, sensitivity_summary
 from glossa.studies.single_muscle import single_muscle, single_muscle_command, single_muscles
+from glossa.studies.size import size_study
 from glossa.studies.spatial_errors import spatial_errors
 from glossa.studies.study_dataset import open_study
 from glossa.studies.sweep import as_grid, sweep
@@ -71,6 +72,7 @@ __all__ = [
     "single_muscle",
     "single_muscle_command",
     "single_muscles",
+    "size_study",
     "spatial_errors",
     "stress_strain",
     "sweep",
