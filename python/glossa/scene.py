@@ -491,7 +491,7 @@ class Scene:
     ) -> SpatialError:
         """Estimated error of an equilibrium that is due to its mesh, from a second solve with half the size of cells.
 
-        It takes 15 to 60 times what the posture took; see :mod:`glossa.spatial_error` for what it is worth.
+        It takes 20 to 60 times what the posture took; see :mod:`glossa.spatial_error` for what it is worth.
 
         Args:
             posture: equilibrium of this scene.

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from glossa.anatomy import hexahedra as hexa
 from glossa.anatomy.arrays import FloatArray
-from glossa.anatomy.division import Division
+from glossa.anatomy.division import TOLERANCE, Division
 from glossa.anatomy.speaker import Speaker
 from glossa.boundary import WALL
 from glossa.checks import instance
@@ -39,6 +40,9 @@ LACKING = 1.0 / (1.0 - 0.5**ORDER)
 
 SAME = 1e-3
 """A posture that moves by more than this share of the body's extent, solved again, is no equilibrium of its scene."""
+
+LEAST_JACOBIAN = 0.05
+"""Volume ratio at a Gauss point that the solve on the finer mesh may start from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +165,7 @@ def posture_error(
     divided = scene.divided(finer)
     found = divided.scene.equilibrate(
         posture.commands,
-        start=_carried(posture, divided),
+        start=carried_posture(posture, divided),
         prescribed=_carried_prescription(posture.speaker, prescribed, divided),
         loads=loads,
         accuracy="draft",
@@ -179,7 +183,7 @@ def movement_error(scene: Scene, movement: Movement, finer: Speaker | None) -> M
     if movement.times[0] != 0.0 or movement.velocities[0].any():
         raise InputError("movement: it must begin at time 0 and at rest or in equilibrium, not in motion")
     first, initial = movement.at(0.0), None
-    if first.wall_displacements or not np.array_equal(first.positions, scene.speaker.nodes):
+    if first.wall_displacements or np.abs(first.displacements).max() > TOLERANCE:
         walls = {WALL + name: shift for name, shift in first.wall_displacements.items()}
         start = scene.equilibrate(first.commands, start=first, prescribed=walls)
         _check_same(start, first, "movement: it does not begin in an equilibrium of this scene, or at rest")
@@ -195,14 +199,24 @@ def _check_same(again: Posture, posture: Posture, message: str) -> None:
         raise InputError(f"{message} (solved again it moves by {away * 1e3:.3g} mm)")
 
 
-def _carried(posture: Posture, divided: Divided) -> Posture:
-    """The posture on the finer mesh; not its contact, whose points are others there."""
+def carried_posture(posture: Posture, divided: Divided) -> Posture:
+    """Where to start on the finer mesh: the posture, without its contact, whose points are others there.
+
+    A strongly bent hexahedron may have children that are folded over: then so much less displaced, in eighths, that no
+    Gauss point is compressed below :data:`LEAST_JACOBIAN`.
+    """
     finer, division = divided.scene.speaker, divided.division
+    moved = division.carried(posture.displacements)
+    at_rest = hexa.gauss_determinants(finer.nodes, finer.hexahedra)
+    for share in np.linspace(1.0, 0.0, 9).tolist():
+        positions = finer.nodes + share * moved
+        if (hexa.gauss_determinants(positions, finer.hexahedra) >= LEAST_JACOBIAN * at_rest).all():
+            break
     return replace(
         posture,
         speaker=finer,
-        positions=finer.nodes + division.carried(posture.displacements),
-        pressure=None if posture.pressure is None else division.inherited(posture.pressure),
+        positions=positions,
+        pressure=None if posture.pressure is None else share * division.inherited(posture.pressure),
         contact=None,
     )
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.blocks import hyoid_block
 
+from glossa import Scene
 from glossa.anatomy import Muscle, Speaker, Wall
 from glossa.anatomy.mirror import half_body
 from glossa.anatomy.muscle_topology import largest_fibre_count
@@ -56,6 +58,12 @@ def test_fibres_multiply_in_both_directions(block: Speaker) -> None:
     assert muscle.force_capacity == 10.0
     assert largest_fibre_count(fine.hexahedra, muscle) == 4
     assert len(fine.refined().muscles["bundle"].fibres) == 81
+
+
+def test_refined_bodies_are_touched_symmetrically() -> None:
+    """Edges of 2.5 mm, the distance of contact points, but for rounding."""
+    fine = hyoid_block(between_walls=True).refined()
+    assert "mirror" in Scene(fine, mirror=True, fixed=[]).effects
 
 
 def test_face_diagonals_beside_each_other(make_block: Callable[..., Any]) -> None:

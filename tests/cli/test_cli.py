@@ -21,7 +21,7 @@ from glossa.cli import app, main
 from glossa.cli.options import with_picture_names
 from glossa.studies import effect_costs
 
-COMMANDS = ("vowels", "vowel", "movement", "muscle", "muscles", "speaker", "costs", "view")
+COMMANDS = ("vowels", "vowel", "movement", "muscle", "muscles", "speaker", "size", "costs", "view")
 ENTRY = {
     "converged",
     "forces_N",

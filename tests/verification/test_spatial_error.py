@@ -7,19 +7,20 @@ large.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from tests.blocks import FloatArray, block, furnished, nearest, sheet
+from tests.blocks import FloatArray, block, furnished, hyoid_block, nearest, sheet
 
 from glossa import VOWELS, InputError, MotorCommands, Movement, Posture, Ramp, Scene, Speaker
 from glossa.anatomy.division import Division
 from glossa.anatomy.hexahedra import gauss_determinants, gauss_gradients
 from glossa.data_files import data_path
-from glossa.spatial_error import SpatialError
+from glossa.spatial_error import LEAST_JACOBIAN, SpatialError, carried_posture
 from glossa.studies import error_bars, observed_order
 
 LIMIT = 24.23
@@ -203,6 +204,16 @@ def test_movement_settles_to_the_error_of_the_posture(bending: Scene, movement: 
     assert end.forces["upper"] == pytest.approx(static.forces["upper"], rel=0.05)
 
 
+def test_movement_on_a_hyoid() -> None:
+    """Half a body that hangs on a bone between walls."""
+    scene = Scene(hyoid_block(between_walls=True, muscles={"axial": 2.0}), mirror=True, fixed=[])
+    moved = scene.simulate(Ramp(MotorCommands({"axial": 0.9})), 0.02)
+    error = scene.spatial_error_of_movement(moved)
+    assert error.largest[0] < 1e-9
+    assert error.largest[-1] > 1e-6
+    assert error.at(0.02).finer.hyoid is not None
+
+
 def test_movement_from_an_equilibrium(bending: Scene) -> None:
     first = bending.equilibrate(BENT)
     moved = bending.simulate(Ramp(SILENT, start=BENT), 0.05, initial=first)
@@ -219,6 +230,28 @@ def test_a_scene_keeps_its_finer_body(bending: Scene) -> None:
     assert other.scene.speaker is own
     assert bending.divided(own) is other
     assert bending.divided() is not other
+
+
+def test_starts_without_folded_hexahedra() -> None:
+    """A corner pressed in until the child there would be folded, though no Gauss point of the hexahedron is."""
+    body = block((1, 1, 1), (0.01, 0.01, 0.01))
+    scene = Scene(body, fixed=["left"], gravity=None)
+    rest = scene.equilibrate()
+    corner = nearest(body, (0.01, 0.01, 0.01))
+    pressed = np.array(body.nodes)
+    pressed[corner] -= 0.0048
+    assert (gauss_determinants(pressed, body.hexahedra) > 0.0).all()
+    divided = scene.divided()
+    finer = divided.scene.speaker
+    folded = finer.nodes + divided.division.carried(pressed - body.nodes)
+    assert (gauss_determinants(folded, finer.hexahedra) < 0.0).any()
+    start = carried_posture(replace(rest, positions=pressed), divided)
+    ratios = gauss_determinants(start.positions, finer.hexahedra) / gauss_determinants(finer.nodes, finer.hexahedra)
+    assert ratios.min() >= LEAST_JACOBIAN
+    share = start.displacements[divided.division.nodes[corner]] / (pressed - body.nodes)[corner]
+    assert 0.5 < share[0] < 1.0
+    whole = carried_posture(rest, divided)
+    assert np.array_equal(whole.displacements[divided.division.nodes], rest.displacements)
 
 
 # What goes wrong
@@ -256,6 +289,14 @@ def test_refusals(bending: Scene, movement: Movement, tmp_path: Path) -> None:
 
 
 # The tongue
+
+
+@pytest.mark.slow
+def test_pb(pb: Speaker) -> None:
+    """Divided on the same planes; bent hexahedra beside the molars would be folded by that."""
+    error = estimate(Scene(pb, mirror=True), VOWELS["i"])
+    assert 0.3e-3 < error.root_mean_square < 4e-3
+    assert abs(error.forces["GGp"]) > 0.1
 
 
 @pytest.mark.slow

@@ -16,6 +16,8 @@ from glossa.anatomy.surface_patch import face_coordinates
 from glossa.errors import InputError
 
 LARGEST_DIVISION = 6
+ROUNDING = 1e-9
+"""Relative length that decides nothing: both sides of a symmetric body are divided alike."""
 _GAUSS = (np.array([-1.0, 1.0]) / np.sqrt(3.0) + 1.0) / 2.0
 
 
@@ -49,7 +51,8 @@ def surface_samples(surface: SmoothSurface | FacetSurface, faces: ArrayLike, spa
     corners = surface.nodes[surface.quads[chosen]]
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     along = np.maximum(lengths[:, 0], lengths[:, 2]), np.maximum(lengths[:, 1], lengths[:, 3])
-    columns, rows = (np.clip(np.ceil(edge / spacing), 1, LARGEST_DIVISION).astype(np.int64) for edge in along)
+    most = spacing * (1.0 + ROUNDING)
+    columns, rows = (np.clip(np.ceil(edge / most), 1, LARGEST_DIVISION).astype(np.int64) for edge in along)
     count = columns * rows
     face = np.repeat(chosen, count)
     across, up = np.repeat(columns, count), np.repeat(rows, count)

@@ -23,7 +23,7 @@ def print_spatial_errors(errors: xr.Dataset) -> None:
     )
     large = errors["muscle"].values[(abs(errors["forces"]) >= LARGE).any("posture").to_numpy()].tolist()
     names = errors["posture"].values.tolist()
-    shown = table_of("", *names)
+    shown = table_of("", *(f"/{name}/" for name in names))
     for title, key in (("nodes on the mean, mm", "root_mean_square"), ("farthest node, mm", "largest")):
         shown.add_row(title, *(cell(float(value) * MM) for value in errors[key]))
     for muscle in large:
@@ -37,7 +37,7 @@ def print_spatial_errors(errors: xr.Dataset) -> None:
     for name in names:
         reason = str(errors["reason"].sel(posture=name).item())
         if reason:
-            console.print(f"note: {name}: {reason}", style="dim", highlight=False)
+            console.print(f"note: /{name}/: {reason}", style="dim", highlight=False)
 
 
 def spatial_json(errors: xr.Dataset, name: str) -> dict[str, Any]:
