@@ -56,7 +56,7 @@ def test_sag_of_the_cantilever(cells: tuple[int, int, int]) -> None:
     error = estimate(cantilever(body))
     true = LIMIT + 1e3 * error.posture.displacements[node, 2]
     assert true > 0.1
-    assert 0.5 < -1e3 * error.displacements[node, 2] / true < 2.0  # 1.07, 1.15, 1.16 seen
+    assert 0.5 < -1e3 * error.displacements[node, 2] / true < 2.0  # 1.02, 1.08, 1.06 seen
 
 
 @pytest.fixture(scope="module")
@@ -73,19 +73,19 @@ def test_smooth_solution(sloshing: list[SpatialError]) -> None:
         mine = error.posture
         shared = [nearest(fine.speaker, node) for node in mine.speaker.nodes]
         true = fine.displacements[shared] - mine.displacements
-        assert 1.2 < error.root_mean_square / rms(true) < 2.0  # 1.5 by theory; 1.54 and 1.59 seen
+        assert 1.2 < error.root_mean_square / rms(true) < 2.0  # 1.5 by theory; 1.56 and 1.61 seen
         assert rms(error.displacements - true) < 0.75 * rms(true)  # the field, not only its size
         assert error.largest == pytest.approx(np.linalg.norm(error.displacements, axis=1).max())
 
 
 def test_falls_with_the_square_where_the_solution_is_smooth(sloshing: list[SpatialError]) -> None:
     coarse, fine = (error.root_mean_square for error in sloshing)
-    assert 1.7 < math.log2(coarse / fine) < 2.4  # 2.07 seen
+    assert 1.7 < math.log2(coarse / fine) < 2.4  # 2.14 seen
 
 
 def test_falls_with_the_size_at_a_clamped_edge() -> None:
     coarse, fine = (estimate(cantilever(block(cells))).root_mean_square for cells in ((3, 2, 2), (6, 4, 4)))
-    assert 0.8 < math.log2(coarse / fine) < 1.5  # 0.97 seen
+    assert 0.8 < math.log2(coarse / fine) < 1.5  # 0.98 seen
 
 
 def test_forces_of_a_muscle() -> None:
@@ -111,7 +111,7 @@ def floored() -> Speaker:
 def test_contact(lying: SpatialError) -> None:
     fine = cantilever(refined(floored(), 2)).equilibrate()
     true = fine.displacements[: len(lying.posture.positions)] - lying.posture.displacements
-    assert 0.5 < lying.root_mean_square / rms(true) < 2.0  # 1.6 seen
+    assert 0.5 < lying.root_mean_square / rms(true) < 2.0  # 1.85 seen: the fine mesh has an error of its own
     assert fine.contact is not None
     assert lying.posture.contact is not None
     assert lying.touched_areas["floor"] > 0.0
