@@ -18,6 +18,7 @@ from glossa.cli.size_command import size_markdown
 from glossa.errors import InputError
 from glossa.figures import size
 from glossa.studies import size_study
+from glossa.studies.peak_memory import peak_memory
 from glossa.studies.size import committed_size_study, growth
 
 README = Path(__file__).parents[2] / "README.md"
@@ -47,6 +48,13 @@ def test_solved() -> None:
     assert own["reason"].item() == ""
     assert study.attrs["study"] == "size"
     assert "contact" not in study.attrs["effects"]
+
+
+def test_peak_memory() -> None:
+    before = peak_memory()
+    held = np.ones(int(before) // 8 + 2**21)  # more than all before, and 16 MB
+    assert 5e7 < before < peak_memory()
+    assert peak_memory() >= held.nbytes
 
 
 @pytest.mark.slow

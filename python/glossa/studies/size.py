@@ -9,8 +9,6 @@ found.
 from __future__ import annotations
 
 import math
-import resource
-import sys
 import time
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -29,6 +27,7 @@ from glossa.scene import Scene
 from glossa.studies.executors import worker_pool
 from glossa.studies.failure import reason_of
 from glossa.studies.machine import machine
+from glossa.studies.peak_memory import peak_memory
 from glossa.studies.provenance import provenance
 
 COMMITTED = "results/size.nc"
@@ -108,13 +107,12 @@ def _row(resolution: int, solved: Sequence[str], names: Sequence[str], options: 
         found["factor_share"][place] = report.seconds["factorisation"] / report.seconds["total"]
         for count in _COUNTS:
             found[count][place] = getattr(report, count)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
     units = {"cpu_seconds": "s"}
     return xr.Dataset(
         {
             "hexahedra": len(speaker.hexahedra),
             **sizes,
-            "memory": ((), float(peak) if solved else math.nan, {"units": "B"}),
+            "memory": ((), peak_memory() if solved else math.nan, {"units": "B"}),
             "making_seconds": ((), making, {"units": "s"}),
             **{
                 name: (("vowel",), values, {"units": units[name]} if name in units else {})
