@@ -19,6 +19,9 @@ from glossa.studies.points import tracked_nodes
 FORMANTS = 4
 """How many are looked for."""
 
+EFFORT = ("quasi_newton", "residuals", "factorisations", "indefinite", "line_search", "contact_updates")
+"""Counts of :class:`glossa.SolveReport` that tell what a solve took and which of its recoveries it needed."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
@@ -67,6 +70,10 @@ class Layout:
             ("contact_area", {"wall": len(walls)}, "m2"),
             ("contact_force", {"wall": len(walls), "axis": 3}, "N"),
             ("hyoid_displacement", {"axis": 3}, "m"),
+            ("residual", {}, "1"),
+            ("least_jacobian", {}, "1"),
+            ("penetration", {}, "m"),
+            ("effort", {"count": len(EFFORT)}, "1"),
             *([("positions", {"mesh_node": len(speaker.nodes), "axis": 3}, "m")] if positions else []),
         ]
         return cls(
@@ -80,6 +87,7 @@ class Layout:
                 "axis": ("x", "y", "z"),
                 "formant": tuple(range(1, FORMANTS + 1)),
                 "wall": walls,
+                "count": EFFORT,
             },
         )
 
@@ -124,6 +132,12 @@ def measured(posture: Posture, *, positions: bool) -> dict[str, FloatArray]:
         "forces": np.asarray(posture.forces.to_numpy(), dtype=np.float64),
         "displacement": np.asarray(posture.displacements[nodes].reshape(-1, 3)),
     }
+    report = posture.report
+    if report is not None:
+        found["residual"] = np.array(report.residual / report.force_scale if report.force_scale > 0.0 else 0.0)
+        found["least_jacobian"] = np.array(report.least_jacobian)
+        found["penetration"] = np.array(report.penetration)
+        found["effort"] = np.array([getattr(report, name) for name in EFFORT], dtype=np.float64)
     if posture.contact is not None:
         found["contact_area"] = np.asarray(posture.contact.touched_areas.to_numpy(), dtype=np.float64)
         found["contact_force"] = np.asarray(posture.contact.forces.to_numpy().reshape(-1, 3), dtype=np.float64)
