@@ -25,6 +25,7 @@ from glossa.studies.size import size_study
 from glossa.studies.spatial_errors import spatial_errors
 from glossa.studies.study_dataset import open_study
 from glossa.studies.sweep import as_grid, sweep
+from glossa.studies.symmetry import SymmetryCheck, symmetry
 from glossa.studies.tissue_laws import stress_strain
 from glossa.studies.transversalis import transversalis
 from glossa.studies.vowels import posture_table, vowels
@@ -36,6 +37,7 @@ __all__ = [
     "Point",
     "Progress",
     "Replication",
+    "SymmetryCheck",
     "accuracy",
     "accuracy_study",
     "as_grid",
@@ -76,6 +78,7 @@ __all__ = [
     "spatial_errors",
     "stress_strain",
     "sweep",
+    "symmetry",
     "tracked_nodes",
     "transversalis",
     "vowel_tracts",
