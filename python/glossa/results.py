@@ -22,6 +22,7 @@ from glossa.errors import InputError
 from glossa.hyoid_motion import HyoidCourse, HyoidPose
 from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
+from glossa.result_files import damaged_is_refused, fields, read_dataset, write_dataset
 
 if TYPE_CHECKING:
     import meshio
@@ -260,30 +261,34 @@ class Posture:
             InputError: not a posture file, or one of another speaker.
         """
         data = read_dataset(path, "posture", speaker)
+        with damaged_is_refused(path):
+            return cls._read(data, speaker)
+
+    @classmethod
+    def _read(cls, data: xr.Dataset, speaker: Speaker) -> Posture:
         commands = json.loads(data.attrs["commands"])
         report = json.loads(data.attrs["report"])
         if report is not None:
             report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
-        optional = {name: data[name].values if name in data else None for name in ("pressure", "stiffening")}
+        n, m, f = len(speaker.nodes), len(speaker.hexahedra), _fibre_count(speaker)
+        always = fields(data, {"positions": (n, 3), "activations": (f,), "fibre_forces": (f,)})
+        shapes: dict[str, tuple[int, ...]] = {"pressure": (m,), "stiffening": (m,), "support_forces": (n, 3)}
+        optional = {name: None for name in shapes} | fields(data, {k: v for k, v in shapes.items() if k in data})
         contact = hyoid = None
         if "contact_wall" in data:
-            arrays = {name: data[f"contact_{name}"].values for name in CONTACT_ARRAYS}
-            contact = Contact(walls=tuple(json.loads(data.attrs["walls"])), **arrays)
+            contact = _read_contact(data)
         if "hyoid_displacement" in data:
-            hyoid = HyoidPose(*(data[f"hyoid_{name}"].values for name in ("displacement", "rotation", "centre")))
+            hyoid = HyoidPose(*fields(data, dict.fromkeys(_HYOID_POSE, (3,))).values())
         shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
         return cls(
             speaker=speaker,
             commands=None if commands is None else MotorCommands(commands),
-            positions=data["positions"].values,
-            activations=data["activations"].values,
-            fibre_forces=data["fibre_forces"].values,
-            support_forces=data["support_forces"].values if "support_forces" in data else None,
             report=None if report is None else SolveReport(**report),
             contact=contact,
             hyoid=hyoid,
-            wall_displacements={name: np.array(shift) for name, shift in shifts.items()},
+            wall_displacements=_wall_shifts(shifts, speaker),
             time=float(data.attrs["time_s"]) if "time_s" in data.attrs else None,
+            **always,
             **optional,
         )
 
@@ -412,62 +417,62 @@ class Movement:
             InputError: not a movement file, or one of another speaker.
         """
         data = read_dataset(path, "movement", speaker)
+        with damaged_is_refused(path):
+            return cls._read(data, speaker)
+
+    @classmethod
+    def _read(cls, data: xr.Dataset, speaker: Speaker) -> Movement:
         report = json.loads(data.attrs["report"])
         report["residuals_by_iteration"] = tuple(report["residuals_by_iteration"])
+        n, f = len(speaker.nodes), _fibre_count(speaker)
+        times = fields(data, {"time": (-1,)})["time"]
+        t = len(times)
+        shapes = {"positions": (t, n, 3), "velocities": (t, n, 3), "activations": (t, f), "fibre_forces": (t, f)}
         contact = hyoid = None
         if "contact_pressures" in data:
-            held = np.zeros(len(speaker.nodes), dtype=bool)
-            held[data["held_nodes"].values] = True
+            held = np.zeros(n, dtype=bool)
+            held[fields(data, {"held_nodes": (-1,)})["held_nodes"]] = True
             points = contact_points(speaker, held, mirror=False)
+            k = len(points.wall)
+            course = fields(data, {"contact_pressures": (t, k), "contact_drags": (t, k, 3)})
             shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
-            contact = ContactCourse(
-                points,
-                data["contact_pressures"].values,
-                data["contact_drags"].values,
-                {name: np.array(shift) for name, shift in shifts.items()},
-            )
+            contact = ContactCourse(points, *course.values(), _wall_shifts(shifts, speaker))
         if "hyoid_displacements" in data:
-            hyoid = HyoidCourse(*(data[f"hyoid_{name}"].values for name in ("displacements", "rotations", "centre")))
+            course = fields(data, {"hyoid_displacements": (t, 3), "hyoid_rotations": (t, 3), "hyoid_centre": (3,)})
+            hyoid = HyoidCourse(*course.values())
         return cls(
             speaker=speaker,
-            times=data["time"].values,
-            positions=data["positions"].values,
-            velocities=data["velocities"].values,
-            activations=data["activations"].values,
-            fibre_forces=data["fibre_forces"].values,
+            times=times,
             report=SolveReport(**report),
             contact=contact,
             hyoid=hyoid,
+            **fields(data, shapes),
         )
 
 
-def write_dataset(data: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset to NetCDF (HDF5)."""
-    data.to_netcdf(path, engine="h5netcdf")
+_HYOID_POSE = ("hyoid_displacement", "hyoid_rotation", "hyoid_centre")
 
 
-def read_dataset(path: str | Path, kind: str, speaker: Speaker) -> xr.Dataset:
-    """Read a dataset of ``kind`` that belongs to ``speaker``.
+def _fibre_count(speaker: Speaker) -> int:
+    return sum(len(muscle.fibres) for muscle in speaker.muscles.values())
 
-    Raises:
-        FileNotFoundError: nothing at ``path``.
-        InputError: unreadable, of another kind, or of another speaker.
-    """
-    if not Path(path).exists():
-        raise FileNotFoundError(f"no file at {path}")
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
-            data = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
-        raise InputError(f"{path} cannot be read as a NetCDF file: {error}") from None
-    if data.attrs.get("glossa") != kind:
-        raise InputError(f"{path} holds no {kind} of glossa")
-    if data.attrs.get("speaker_fingerprint") != speaker.fingerprint:
-        raise InputError(
-            f"{path} belongs to another speaker ({data.attrs.get('speaker')!r}); load it with the speaker it was "
-            "computed for"
-        )
-    return data
+
+def _read_contact(data: xr.Dataset) -> Contact:
+    walls = tuple(json.loads(data.attrs["walls"]))
+    k = data["contact_wall"].size
+    vectors = ("points", "directions", "drags")
+    arrays = fields(data, {f"contact_{name}": (k, 3) if name in vectors else (k,) for name in CONTACT_ARRAYS})
+    number = arrays["contact_wall"]
+    if k and not 0 <= number.min() <= number.max() < len(walls):
+        raise InputError(f"contact_wall names wall {int(number.max())} of {len(walls)}")
+    return Contact(walls=walls, **{name.removeprefix("contact_"): values for name, values in arrays.items()})
+
+
+def _wall_shifts(shifts: Mapping[str, Any], speaker: Speaker) -> dict[str, FloatArray]:
+    unknown = [name for name in shifts if name not in speaker.walls]
+    if unknown:
+        raise InputError(f"it displaces a wall {unknown[0]!r}, which the speaker has not")
+    return {name: np.asarray(shift, dtype=np.float64).reshape(3) for name, shift in shifts.items()}
 
 
 def _node_set(speaker: Speaker, name: str) -> IntArray:

@@ -14,7 +14,7 @@ from tests.blocks import block
 
 from glossa import Posture, Scene, SolveError, SolveInterrupted, Speaker
 from glossa.errors import InputError
-from glossa.results import write_dataset
+from glossa.result_files import write_dataset
 from glossa.studies import accuracy_study
 from glossa.studies.accuracy import FULL, QUICK, AccuracySettings, cheapest, pareto, presets, savings, worst
 from glossa.studies.accuracy_choices import Choice, choices

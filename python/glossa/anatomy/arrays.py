@@ -33,7 +33,7 @@ def float_array(value: Any, what: str, columns: int | None = None) -> FloatArray
     """
     try:
         array = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what}: expected an array of numbers ({error})") from None
     _check_shape(array, what, columns)
     bad = np.argwhere(~np.isfinite(array))
@@ -50,7 +50,7 @@ def int_array(value: Any, what: str, columns: int | None = None) -> IntArray:
     """
     try:
         array = np.array(value, order="C")
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what}: expected an array of whole numbers ({error})") from None
     if array.size == 0:
         array = array.reshape((0, columns) if columns is not None else (0,)).astype(np.int32)

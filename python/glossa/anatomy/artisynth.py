@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,6 +52,9 @@ _ATTACHMENTS = {  # node set: file, in the order of preference
     "hyoid_partial": ("hyoidAttachmentsPartial.txt",),
     "hyoid_artisynth": ("hyoidAttachments.txt",),
 }
+_LARGEST = 1e9
+"""Of any number, element or coordinate."""
+_MOST_ELEMENTS = 1_000_000  # of one selection
 _TURNED = [0, 3, 2, 1, 4, 7, 6, 5]  # the same hexahedron with the opposite orientation
 
 
@@ -107,9 +111,7 @@ def _build(
     outside = sorted({node for paths in fibres.values() for path in paths for node in path} - set(corners.tolist()))
     numbers = [*corners.tolist(), *outside]
     place = {number: index for index, number in enumerate(numbers)}
-    missing = [number for number in numbers if number not in mesh.positions]
-    if missing:
-        raise SpeakerFileError(f"{mesh.path}: node {missing[0]} is used but not in the node file")
+    _need(mesh, numbers)
     nodes = np.array([mesh.positions[number] for number in numbers])
     hexahedra = _oriented(nodes, np.array([[place[n] for n in row[:8]] for row in tongue.tolist()], dtype=np.int32))
     from_zero = {number - 1: index for number, index in place.items()}
@@ -135,6 +137,12 @@ def _build(
     )
 
 
+def _need(mesh: _Mesh, numbers: Iterable[int]) -> None:
+    missing = [number for number in numbers if number not in mesh.positions]
+    if missing:
+        raise SpeakerFileError(f"{mesh.path}: node {missing[0]} is used but not in the node file")
+
+
 def _read_mesh(geometry: Path) -> _Mesh:
     for name in ("tongueIcp.3", "tongue"):
         if (geometry / f"{name}.node").is_file():
@@ -158,6 +166,8 @@ def _rows(path: Path, columns: int) -> list[list[float]]:
             raise SpeakerFileError(f"{path}, line {number}: {error}") from None
         if len(row) < columns:
             raise SpeakerFileError(f"{path}, line {number}: {len(row)} numbers, expected {columns}")
+        if not all(abs(value) < _LARGEST for value in row):
+            raise SpeakerFileError(f"{path}, line {number}: every number must be below {_LARGEST:g}")
         rows.append(row)
     if not rows:
         raise SpeakerFileError(f"{path}: empty")
@@ -176,10 +186,10 @@ def _read_fibres(path: Path) -> dict[str, list[list[int]]]:
     found: dict[tuple[int, int], dict[int, int]] = defaultdict(dict)
     lengths: dict[tuple[int, int], int] = {}
     for number, line in _code(path):
-        if entry := re.fullmatch(r"FIBER\((\d+),(\d+),(\d+)\)=(\d+)", line):
+        if entry := re.fullmatch(r"FIBER\((\d{1,9}),(\d{1,9}),(\d{1,9})\)=(\d{1,9})", line):
             position, fibre, muscle, node = (int(text) for text in entry.groups())
             found[muscle, fibre][position] = node
-        elif entry := re.fullmatch(r"NB_NODES_FIBER\((\d+),(\d+)\)=(\d+)", line):
+        elif entry := re.fullmatch(r"NB_NODES_FIBER\((\d{1,9}),(\d{1,9})\)=(\d{1,9})", line):
             fibre, muscle, length = (int(text) for text in entry.groups())
             lengths[muscle, fibre] = length
         elif line.startswith(("FIBER(", "NB_NODES_FIBER(")):
@@ -200,11 +210,13 @@ def _read_components(path: Path) -> dict[str, list[int]]:
     components: dict[str, list[int]] = {}
     selected: list[int] = []
     for number, line in _code(path):
-        if entry := re.fullmatch(r"muscleName\((\d+)\)='(\w+)'", line):
+        if entry := re.fullmatch(r"muscleName\((\d{1,9})\)='(\w+)'", line):
             components.setdefault(f"#{entry.group(1)} {entry.group(2)}", [])
-        elif entry := re.fullmatch(r"ESEL,([SA]),ELEM,,(\d+)(?:,(\d+))?(?:,(\d+))?", line):
+        elif entry := re.fullmatch(r"ESEL,([SA]),ELEM,,(\d{1,9})(?:,(\d{1,9}))?(?:,(\d{1,9}))?", line):
             first = int(entry.group(2))
             chosen = range(first, int(entry.group(3) or first) + 1, int(entry.group(4) or 1))
+            if len(chosen) > _MOST_ELEMENTS:
+                raise SpeakerFileError(f"{path}, line {number}: {line!r} selects {len(chosen)} elements")
             selected = [*chosen] if entry.group(1) == "S" else [*selected, *chosen]
         elif entry := re.fullmatch(r"CM,(\w+),ELEM", line):
             components[entry.group(1)] = selected
@@ -263,6 +275,8 @@ def _listed(folders: list[Path], name: str, from_zero: dict[int, int]) -> IntArr
         if (folder / name).is_file():
             words = (folder / name).read_text(encoding="latin-1").split()
             try:
+                if not words:
+                    raise ValueError("empty")
                 return np.array([from_zero[int(word)] for word in words], dtype=np.int32)
             except (ValueError, KeyError) as error:
                 raise SpeakerFileError(f"{folder / name}: not a list of tongue nodes ({error})") from None
@@ -289,6 +303,7 @@ def _walls(mesh: _Mesh, geometry: Path) -> dict[str, Wall]:
         shells = mesh.of(material)[:, :4]
         if len(shells):
             used, faces = np.unique(shells, return_inverse=True)
+            _need(mesh, used.tolist())
             walls[name] = Wall([mesh.positions[n] for n in used.tolist()], faces.reshape(shells.shape))
     if not walls:
         for name, file in _WALL_SURFACES.items():
@@ -313,6 +328,7 @@ def _hyoid(mesh: _Mesh, surface: Path) -> Hyoid | None:
         return None
     bone = read_obj(surface)
     volume, centre = solid(bone)
+    _need(mesh, mesh.of(_SPRING)[:, :2].ravel().tolist())
     springs = tuple(
         hyoid_spring(bone, mesh.positions[row[0]], mesh.positions[row[1]], f"spring {row[9]}")
         for row in mesh.of(_SPRING).tolist()

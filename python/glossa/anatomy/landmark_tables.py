@@ -34,7 +34,7 @@ def read_toml(path: Path) -> Tables:
     """
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # no UTF-8, no TOML, too long a number, too many brackets
         raise InputError(f"{path}: {error}") from None
     except OSError as error:
         raise InputError(f"cannot read the landmarks {path}: {error.strerror}") from None

@@ -21,7 +21,7 @@ def read_obj(path: Path, scale: float = 1.0) -> Wall:
     """
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
         words = line.split()
         try:
             if words[:1] == ["v"]:
@@ -32,7 +32,7 @@ def read_obj(path: Path, scale: float = 1.0) -> Wall:
                 if len(corners) not in (3, 4):
                     raise ValueError(f"{len(corners)} corners")
                 faces.append(corners)
-        except ValueError as error:
+        except (ValueError, OverflowError) as error:
             raise SpeakerFileError(f"{path}, line {number}: cannot read {line!r} ({error})") from None
     if not faces:
         raise SpeakerFileError(f"{path}: no faces; is this a Wavefront OBJ surface?")

@@ -51,7 +51,7 @@ def load_pb(folder: Path) -> Speaker:
         raise FileNotFoundError(f"{folder} is not a speaker folder: it holds no pb_tongue.json")
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise SpeakerFileError(f"{path}: not a complete JSON file ({error})") from None
     bone = read_obj(folder / "hyoid.obj")
     try:
@@ -66,12 +66,12 @@ def load_pb(folder: Path) -> Speaker:
             name="PB",
             contact_faces=_contact_faces(data),
         )
-    except (KeyError, TypeError) as error:
-        raise SpeakerFileError(f"{path}: missing or malformed entry {error}") from None
     except SpeakerFileError:
         raise
     except InputError as error:
         raise SpeakerFileError(f"{path}: {error}") from None
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+        raise SpeakerFileError(f"{path}: missing or malformed entry ({error})") from None
 
 
 def _muscles(data: dict[str, Any]) -> dict[str, Muscle]:

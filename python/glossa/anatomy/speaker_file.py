@@ -69,6 +69,8 @@ def load_speaker(path: Path) -> Speaker:
         raise SpeakerFileError(f"{path} {state} at line {error.lineno}, column {error.colno}: {error.msg}") from None
     except RecursionError:
         raise SpeakerFileError(f"{path}: not a speaker file (nested too deeply)") from None
+    except ValueError as error:  # a number of thousands of digits
+        raise SpeakerFileError(f"{path}: not a speaker file ({error})") from None
     _check_header(path, document)
     reader = _Reader(path)
     try:

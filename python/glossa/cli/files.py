@@ -12,7 +12,8 @@ from glossa.acoustics import AreaFunction
 from glossa.cli import output
 from glossa.cli.options import PICTURES, check_output
 from glossa.errors import InputError
-from glossa.results import Posture, write_dataset
+from glossa.result_files import write_dataset
+from glossa.results import Posture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

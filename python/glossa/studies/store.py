@@ -217,7 +217,7 @@ class _explained:  # noqa: N801 - a context manager
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, sqlite3.DatabaseError):
+        if isinstance(error, sqlite3.DatabaseError | UnicodeDecodeError):  # of a name in a damaged schema
             raise InputError(f"{self.path} is no store of a study, or damaged ({error}); nothing was changed") from None
 
 
@@ -258,6 +258,8 @@ def read_header(database: sqlite3.Connection, path: Path) -> dict[str, Any]:
         InputError: incomplete or damaged.
     """
     texts: dict[str, str] = dict(database.execute("SELECT name, value FROM header"))
+    if not all(isinstance(text, str) for pair in texts.items() for text in pair):
+        raise InputError(f"store {path} is damaged (its header); nothing was changed")
     checksum = texts.pop("checksum", "")
     if checksum != _digest(texts.items()) or not set(COMPARED) <= set(texts):
         raise InputError(f"store {path} is damaged (its header); nothing was changed")
@@ -331,6 +333,8 @@ def read_records(database: sqlite3.Connection, path: Path) -> list[Record]:
         if _checksum(tuple(row)) != checksum:
             raise InputError(f"store {path} is damaged (point {row[0]}); nothing was changed")
         number, status, reason, acoustic_reason, started, iterations, seconds, worker, finished, doubles = row
+        if not isinstance(seconds, float | None):  # the checksum leaves it out
+            raise InputError(f"store {path} is damaged (point {number}); nothing was changed")
         records.append(
             Record(
                 number=number,
