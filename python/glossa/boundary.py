@@ -9,6 +9,7 @@ import numpy as np
 
 from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
 from glossa.anatomy.speaker import Speaker
+from glossa.checks import real_array
 from glossa.errors import InputError
 
 
@@ -24,8 +25,8 @@ def _vectors(value: Any, what: str) -> tuple[FloatArray, BoolArray]:
     try:
         entries = np.array(value, dtype=object)
         given: BoolArray = np.asarray(np.frompyfunc(lambda x: x is not None, 1, 1)(entries), dtype=bool)
-        numbers = np.where(given, entries, 0.0).astype(float)
-    except (TypeError, ValueError):
+        numbers = real_array(np.where(given, entries, 0.0).tolist(), f"{what}: expected numbers")
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what}: expected numbers (or None for a free component), got {value!r}") from None
     if not np.isfinite(numbers).all():
         raise InputError(f"{what}: every component must be finite (None leaves one free)")
@@ -99,10 +100,7 @@ def nodal_loads(speaker: Speaker, loads: Mapping[str, Any]) -> FloatArray | None
     result = np.zeros(speaker.nodes.shape)
     for name, value in loads.items():
         nodes = _nodes(speaker, name, "loads")
-        try:
-            force = np.asarray(value, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError(f"load on {name!r}: expected three numbers in N, got {value!r}") from None
+        force = real_array(value, f"load on {name!r}: expected three numbers in N")
         if force.shape != (3,) or not np.isfinite(force).all():
             raise InputError(f"load on {name!r}: expected three finite numbers in N, got {value!r}")
         result += traction_weights(speaker, nodes)[:, None] * force

@@ -8,6 +8,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from glossa.errors import InputError
 
@@ -20,10 +21,51 @@ def finite_number(value: Any, what: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{what} must be a number, got {value!r}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number beyond the range of doubles
+        number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{what} must be finite, got {number!r}")
     return number
+
+
+def real_array(value: Any, rule: str) -> NDArray[np.float64]:
+    """A new array of doubles, of any shape.
+
+    Args:
+        value: anything numpy turns into an array of numbers.
+        rule: what is expected, with its name: the message begins with it.
+
+    Raises:
+        InputError: no numbers, complex ones, too large ones or rows of unequal length.
+    """
+    try:
+        given = np.array(value)
+        if given.dtype.kind == "c":
+            raise TypeError("complex numbers")
+        return np.array(given, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{rule}, got {_short(value)} ({error})") from None
+
+
+def items(value: Any, what: str) -> tuple[Any, ...]:
+    """What a list, a tuple or anything else that can be gone through holds; not the letters of a string.
+
+    Raises:
+        InputError: anything else.
+    """
+    try:
+        if isinstance(value, str | bytes):
+            raise TypeError
+        return tuple(value)
+    except TypeError:
+        raise InputError(f"{what} must be a list, got {_short(value)}") from None
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def positive_number(value: Any, what: str) -> float:
@@ -57,7 +99,7 @@ def whole_number(value: Any, what: str, least: int, most: int) -> int:
         InputError: anything else.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise InputError(f"{what} must be a whole number from {least} to {most}, got {value!r}")
+        raise InputError(f"{what} must be a whole number from {least} to {most}, got {_short(value)}")
     return int(value)
 
 

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from glossa.checks import finite_number, not_negative_number, positive_number
+from glossa.checks import finite_number, not_negative_number, one_of, positive_number, real_array
 from glossa.errors import InputError
 
 STANDARD_GRAVITY = 9.81
@@ -107,8 +107,7 @@ class Damping:
     def __post_init__(self) -> None:
         not_negative_number(self.alpha, "damping alpha")
         not_negative_number(self.beta, "damping beta")
-        if self.law not in ("material", "tangent"):
-            raise InputError(f"damping law must be 'material' or 'tangent', got {self.law!r}")
+        one_of(self.law, ("material", "tangent"), "damping law")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +129,8 @@ class Stiffening:
     def __post_init__(self) -> None:
         if self.peak_multiplier is not None and finite_number(self.peak_multiplier, "peak multiplier") < 1.0:
             raise InputError(f"peak multiplier must be at least 1, got {self.peak_multiplier!r}")
+        if not isinstance(self.gains, Mapping):
+            raise InputError(f"stiffening gains must map muscles to numbers, got {self.gains!r}")
         for muscle, gain in self.gains.items():
             not_negative_number(gain, f"stiffening gain of {muscle!r}")
 
@@ -151,12 +152,7 @@ def gravity_vector(gravity: Any) -> tuple[float, float, float] | None:
         if gravity == "supine":
             return (STANDARD_GRAVITY, 0.0, 0.0)
         raise InputError(f"gravity must be 'upright', 'supine', None or three numbers in m/s2, got {gravity!r}")
-    try:
-        vector = np.asarray(gravity, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"gravity must be 'upright', 'supine', None or three numbers in m/s2, got {gravity!r}"
-        ) from None
+    vector = real_array(gravity, "gravity must be 'upright', 'supine', None or three numbers in m/s2")
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise InputError(f"gravity must be three finite numbers in m/s2, got {gravity!r}")
     x, y, z = vector.tolist()

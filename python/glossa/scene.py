@@ -18,7 +18,7 @@ from glossa.anatomy.division import Division
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body, gather_fibres
 from glossa.boundary import nodal_loads, prescribed_positions, wall_displacements
-from glossa.checks import finite_number, flag, instance, one_of, positive_number, whole_number
+from glossa.checks import finite_number, flag, instance, items, one_of, positive_number, real_array, whole_number
 from glossa.contact_points import ContactPoints, contact_points
 from glossa.effects import (
     DEFAULT,
@@ -158,11 +158,11 @@ class Scene:
         else:
             if isinstance(fixed, str):
                 raise InputError(f"fixed must be a sequence of node set names, got the string {fixed!r}")
-            held = list(fixed)
+            held = list(items(fixed, "fixed (names of node sets)"))
         if self.hyoid == "fixed":
             held.append("hyoid")
         for name in held:
-            if name not in sets:
+            if not isinstance(name, str) or name not in sets:
                 raise InputError(f"fixed: no node set {name!r}; this speaker has {', '.join(sets) or 'none'}")
         return tuple(dict.fromkeys(held))
 
@@ -302,7 +302,7 @@ class Scene:
         wanted = tolerances(accuracy)
         limit = whole_number(max_iterations, "max_iterations", 1, 100_000)
         from_positions, pressure = self._start(start)
-        walls, sets = wall_displacements(self.speaker, prescribed or {})
+        walls, sets = wall_displacements(self.speaker, {} if prescribed is None else prescribed)
         if walls and not self.contact:
             raise InputError(f"prescribed: wall {next(iter(walls))!r} moves, but this scene has no contact")
         held, target = prescribed_positions(self.speaker, sets)
@@ -311,7 +311,7 @@ class Scene:
         free = self._free & ~self._body.restrict_mask(held, "prescribed")
         at_rest = np.where(self._held_nodes[:, None], self.speaker.nodes, from_positions)
         targets = np.where(held, target, at_rest)
-        load = nodal_loads(self.speaker, loads or {})
+        load = nodal_loads(self.speaker, {} if loads is None else loads)
         before = start if isinstance(start, Posture) else None
         solution = self._solver.equilibrate(
             fractions=self._fractions(checked),
@@ -359,10 +359,7 @@ class Scene:
             if start.speaker is not self.speaker and start.speaker.fingerprint != self.speaker.fingerprint:
                 raise InputError("start: this posture belongs to another speaker")
             return start.positions, start.pressure
-        try:
-            positions = np.asarray(start, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError("start must be a Posture or an array of node positions") from None
+        positions = real_array(start, "start must be a Posture or an array of node positions")
         if positions.shape != self.speaker.nodes.shape:
             raise InputError(f"start: positions need shape {self.speaker.nodes.shape}, got {positions.shape}")
         if not np.isfinite(positions).all():

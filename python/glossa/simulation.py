@@ -11,7 +11,7 @@ from glossa import _core
 from glossa.anatomy.arrays import FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body
-from glossa.checks import finite_number
+from glossa.checks import finite_number, one_of
 from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
@@ -63,8 +63,8 @@ class Simulation:
         error, tolerance = _accuracy(accuracy)
         step = LONGEST_STEP if dt is None else _step(dt)
         touching = body.contact is not None
-        if integrator is not None and integrator not in INTEGRATORS:
-            raise InputError(f"integrator must be one of {', '.join(map(repr, INTEGRATORS))}, got {integrator!r}")
+        if integrator is not None:
+            one_of(integrator, INTEGRATORS, "integrator")
         times, fractions = schedule.table
         unknown = [name for name in schedule.muscles if name not in speaker.muscles]
         if unknown:

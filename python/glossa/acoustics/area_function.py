@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from glossa.checks import positive_number, whole_number
+from glossa.checks import positive_number, real_array, whole_number
 from glossa.errors import InputError
 
 if TYPE_CHECKING:
@@ -236,10 +236,7 @@ def check_tracts(lengths: NDArray[np.float64], areas: NDArray[np.float64], names
 
 
 def _row(values: Any, what: str) -> NDArray[np.float64]:
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{what} must be numbers, one for each section: {error}") from error
+    array = real_array(values, f"{what} must be numbers, one for each section")
     if array.ndim != 1:
         raise InputError(f"{what} must be one row of numbers, got an array of shape {array.shape}")
     array.flags.writeable = False

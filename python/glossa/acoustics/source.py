@@ -89,10 +89,8 @@ def voice_source(choice: str | Source) -> Source:
     """
     if isinstance(choice, LF | Rosenberg):
         return choice
-    if choice == "lf":
-        return LF()
-    if choice == "rosenberg":
-        return Rosenberg()
+    if isinstance(choice, str) and choice in ("lf", "rosenberg"):
+        return LF() if choice == "lf" else Rosenberg()
     raise InputError(f"source must be 'lf', 'rosenberg' or an object LF(...) or Rosenberg(...), got {choice!r}")
 
 

@@ -24,7 +24,7 @@ from glossa.acoustics.sound import RATES, Sound
 from glossa.acoustics.source import Source, voice_source
 from glossa.acoustics.spectrum import STILL
 from glossa.acoustics.transmission_line import flow_ratio
-from glossa.checks import finite_number, not_negative_number, positive_number, whole_number
+from glossa.checks import finite_number, not_negative_number, positive_number, real_array, whole_number
 from glossa.errors import InputError
 
 Real = NDArray[np.float64]
@@ -96,7 +96,10 @@ def synthesize(
     samples = _filtered(voice, rate, tracts, moments, chosen)[: round(length * rate)]
     fade = min(samples.size, max(1, round(0.01 * rate)))
     samples[-fade:] *= 0.5 * (1.0 + np.cos(np.pi * (np.arange(fade) + 1.0) / fade))
-    return Sound(PEAK * samples / np.abs(samples).max(), rate)
+    peak = np.abs(samples).max()
+    if not peak > 0.0:
+        raise InputError(f"onset {onset!r} s and offset {offset!r} s leave nothing of a sound of {length:g} s")
+    return Sound(PEAK * samples / peak, rate)
 
 
 def _random(jitter: float, aspiration: float, seed: int | None) -> np.random.Generator | None:
@@ -123,7 +126,7 @@ def _tracts(area: Any, times: ArrayLike | None) -> tuple[list[AreaFunction], Rea
         raise InputError(f"area must be an AreaFunction, or a sequence of them with times, got {type(area).__name__}")
     if times is None:
         raise InputError(f"{len(tracts)} area functions need {len(tracts)} times (s)")
-    moments = np.array(times, dtype=np.float64)
+    moments = real_array(times, "times must be numbers (s)")
     if moments.shape != (len(tracts),) or not np.isfinite(moments).all() or (np.diff(moments) <= 0.0).any():
         raise InputError(f"times must be {len(tracts)} rising numbers (s), one for each area function")
     counts = sorted({tract.areas.size for tract in tracts})
@@ -136,10 +139,7 @@ def _contour(f0: Any, duration: float) -> Callable[[float], float]:
     """f0 in Hz as a function of time."""
     if callable(f0):
         return lambda time: _hertz(f0(time), time)
-    try:
-        values = np.array(f0, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"f0 must be Hz: a number, numbers, pairs (s, Hz) or a function of time: {error}") from error
+    values = real_array(f0, "f0 must be Hz: a number, numbers, pairs (s, Hz) or a function of time")
     if values.ndim == 0:
         steady = _hertz(float(values), 0.0)
         return lambda _: steady

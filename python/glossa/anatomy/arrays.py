@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from glossa.checks import real_array
 from glossa.errors import InputError
 
 FloatArray = NDArray[np.float64]
@@ -31,10 +32,7 @@ def float_array(value: Any, what: str, columns: int | None = None) -> FloatArray
     Raises:
         InputError: not numbers, wrong shape, or not finite (naming the first bad row).
     """
-    try:
-        array = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{what}: expected an array of numbers ({error})") from None
+    array = real_array(value, f"{what}: expected an array of numbers")
     _check_shape(array, what, columns)
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):

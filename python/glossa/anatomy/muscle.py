@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from glossa.anatomy.arrays import IntArray, frozen, int_array
-from glossa.checks import finite_number
+from glossa.checks import finite_number, items, real_array
 from glossa.errors import InputError
 
 PEAK_MULTIPLIER = 10.0
@@ -53,7 +53,7 @@ class Muscle:
         elements = int_array(elements, "muscle elements")
         if len(elements) == 0:
             raise InputError("muscle has no elements; name the hexahedra that belong to it")
-        node_lists = tuple(int_array(fibre, f"fibre {i}") for i, fibre in enumerate(fibres))
+        node_lists = tuple(int_array(fibre, f"fibre {i}") for i, fibre in enumerate(items(fibres, "muscle fibres")))
         if not node_lists:
             raise InputError("muscle has no fibres; give at least one node list")
         for i, fibre in enumerate(node_lists):
@@ -83,13 +83,10 @@ class Muscle:
 
 
 def _positive_force(value: Any) -> float:
-    try:
-        force = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"force_capacity {value!r} is not a number (newtons expected)") from None
-    if not math.isfinite(force) or force <= 0.0:
-        raise InputError(f"force_capacity must be a positive finite number of newtons, got {force!r}")
-    return force
+    force = real_array(value, f"force_capacity {value!r} is not a number (newtons expected)")
+    if force.shape != () or not math.isfinite(force) or force <= 0.0:
+        raise InputError(f"force_capacity must be a positive finite number of newtons, got {value!r}")
+    return float(force)
 
 
 def _multiplier(value: Any) -> float:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from glossa.anatomy.arrays import FloatArray, IntArray, float_array, frozen, int_array
+from glossa.checks import items, real_array
 from glossa.errors import InputError
 
 
@@ -30,9 +31,13 @@ class Wall:
 
     def __init__(self, vertices: Any, faces: Any) -> None:
         vertices = float_array(vertices, "wall vertices", 3)
-        columns = np.shape(faces)[1] if np.ndim(faces) == 2 else 0
+        try:
+            shape = np.shape(faces)
+        except ValueError:
+            raise InputError("wall faces: expected shape (m, 3) or (m, 4), got rows of unequal length") from None
+        columns = shape[1] if len(shape) == 2 else 0
         if columns not in (3, 4):
-            raise InputError(f"wall faces: expected shape (m, 3) or (m, 4), got {np.shape(faces)}")
+            raise InputError(f"wall faces: expected shape (m, 3) or (m, 4), got {shape}")
         faces = int_array(faces, "wall faces", columns)
         outside = np.flatnonzero((faces >= len(vertices)).any(axis=1))
         if len(outside):
@@ -136,7 +141,7 @@ class Hyoid:
         object.__setattr__(self, "surface", surface)
         object.__setattr__(self, "mass", _not_negative(mass, "hyoid mass"))
         object.__setattr__(self, "centre", centre)
-        object.__setattr__(self, "springs", tuple(springs))
+        object.__setattr__(self, "springs", items(springs, "hyoid springs"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Hyoid, (self.surface, self.mass, self.centre, self.springs)
@@ -146,10 +151,7 @@ class Hyoid:
 
 
 def _not_negative(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{what}: {value!r} is not a number") from None
-    if not math.isfinite(number) or number < 0.0:
-        raise InputError(f"{what} must be finite and not negative, got {number!r}")
-    return number
+    number = real_array(value, f"{what} must be a number")
+    if number.shape != () or not math.isfinite(number) or number < 0.0:
+        raise InputError(f"{what} must be finite and not negative, got {value!r}")
+    return float(number)

@@ -80,7 +80,7 @@ class MotorCommands(Mapping[str, float]):
         Raises:
             InputError: no command for this muscle, or a factor that is not a positive finite number.
         """
-        if muscle not in self._fractions:
+        if not isinstance(muscle, str) or muscle not in self._fractions:
             raise InputError(f"no command for muscle {muscle!r} to scale; commands: {', '.join(self) or 'none'}")
         return self.with_({muscle: self._fractions[muscle] * positive_number(factor, f"scale factor of {muscle!r}")})
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from glossa.checks import finite_number
+from glossa.checks import finite_number, items
 from glossa.errors import InputError
 from glossa.motor.commands import MotorCommands
 
@@ -58,7 +58,7 @@ class Schedule:
             InputError: no target, a ramp that starts before the one before it has ended, or as for the class.
         """
         duration = _duration(transition, "transition")
-        pairs = [_target(pair) for pair in targets]
+        pairs = [_target(pair) for pair in items(targets, "targets")]
         if not pairs:
             raise InputError("a schedule needs at least one target")
         current = _rest(pairs[0][1]) if start is None else start
@@ -197,7 +197,7 @@ def _checked_times(times: Any) -> FloatArray:
 
 
 def _checked_commands(commands: Sequence[MotorCommands], count: int) -> tuple[MotorCommands, ...]:
-    listed = tuple(commands)
+    listed = items(commands, "commands of a schedule")
     if len(listed) != count:
         raise InputError(f"a schedule needs one set of commands for each time: {count} times, {len(listed)} commands")
     for k, command in enumerate(listed):

@@ -118,9 +118,10 @@ def _axes(given: Any) -> Mapping[str, Any]:
 
 
 def _values(axis: str, given: Any) -> list[Any]:
-    if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
+    listed = given.tolist() if isinstance(given, np.ndarray) else given
+    if isinstance(listed, str) or not isinstance(listed, Sequence):
         raise InputError(f"axis {axis}: a grid needs a list of values, got {given!r}")
-    values = given.tolist() if isinstance(given, np.ndarray) else list(given)
+    values = list(listed)
     if not values:
         raise InputError(f"axis {axis} has no values")
     if len({repr(value) for value in values}) < len(values):

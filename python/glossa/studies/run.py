@@ -20,7 +20,7 @@ import xarray as xr
 from glossa import _core
 from glossa.anatomy.shape import shape_parameters
 from glossa.anatomy.speaker import Speaker
-from glossa.checks import flag, instance
+from glossa.checks import flag, instance, items
 from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.results import Posture
 from glossa.scene import Scene
@@ -211,7 +211,7 @@ class _Run:
 
 def _checked_points(scene: Scene, points: Sequence[Point]) -> list[Point]:
     instance(scene, Scene, "scene")
-    chosen = list(points)
+    chosen = list(items(points, "points"))
     if not chosen:
         raise InputError("a study needs at least one point")
     muscles, options = scene.speaker.muscles, scene.options

@@ -64,9 +64,7 @@ class Store:
     """
 
     def __init__(self, path: str | Path, header: Mapping[str, Any]) -> None:
-        self.path = Path(path)
-        if self.path.is_dir():
-            raise InputError(f"store {self.path} is a folder; name a file")
+        self.path = _place(path)
         if not self.path.parent.is_dir():
             raise InputError(f"store {self.path}: there is no folder {self.path.parent}")
         self._lock = _locked(self.path)
@@ -155,9 +153,7 @@ def read_store(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
         FileNotFoundError: nothing at ``path``.
         InputError: a folder, a foreign or corrupt file.
     """
-    place = Path(path)
-    if place.is_dir():
-        raise InputError(f"store {place} is a folder; name a file")
+    place = _place(path)
     if not place.exists():
         raise FileNotFoundError(f"no file at {place}")
     database = _connected(place, create=False)
@@ -172,13 +168,23 @@ def read_store(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
 # The file
 
 
+def _place(path: Any) -> Path:
+    try:
+        place = Path(path)
+        if place.is_dir():
+            raise InputError(f"store {place} is a folder; name a file")
+    except (TypeError, OSError) as error:  # no path at all, or none that can be
+        raise InputError(f"store {path!r} cannot be opened: {error}") from None
+    return place
+
+
 def _locked(path: Path) -> int | None:
     """Descriptor of the lock file, held by this process until it ends."""
     name = f"{path}.lock"
     while True:
         try:
             lock = os.open(name, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o644)
-        except OSError as error:
+        except (OSError, ValueError) as error:  # a null byte is a ValueError
             raise InputError(f"store {path} cannot be written: {error}") from None
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
