@@ -10,7 +10,6 @@ from typing import Any
 import h5py
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from glossa.anatomy.speaker import Speaker
 from glossa.errors import InputError
@@ -58,7 +57,7 @@ def damaged_is_refused(path: str | Path) -> Iterator[None]:
         raise InputError(f"{path} is damaged: missing or malformed entry ({error})") from None
 
 
-def fields(data: xr.Dataset, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
+def fields(data: xr.Dataset, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, Any]:
     """Arrays of a dataset by name.
 
     Args:

@@ -273,7 +273,8 @@ class Posture:
         n, m, f = len(speaker.nodes), len(speaker.hexahedra), _fibre_count(speaker)
         always = fields(data, {"positions": (n, 3), "activations": (f,), "fibre_forces": (f,)})
         shapes: dict[str, tuple[int, ...]] = {"pressure": (m,), "stiffening": (m,), "support_forces": (n, 3)}
-        optional = {name: None for name in shapes} | fields(data, {k: v for k, v in shapes.items() if k in data})
+        arrays: dict[str, Any] = {**dict.fromkeys(shapes)}
+        arrays |= fields(data, {k: v for k, v in shapes.items() if k in data})
         contact = hyoid = None
         if "contact_wall" in data:
             contact = _read_contact(data)
@@ -289,7 +290,7 @@ class Posture:
             wall_displacements=_wall_shifts(shifts, speaker),
             time=float(data.attrs["time_s"]) if "time_s" in data.attrs else None,
             **always,
-            **optional,
+            **arrays,
         )
 
 
@@ -435,8 +436,8 @@ class Movement:
             points = contact_points(speaker, held, mirror=False)
             k = len(points.wall)
             course = fields(data, {"contact_pressures": (t, k), "contact_drags": (t, k, 3)})
-            shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
-            contact = ContactCourse(points, *course.values(), _wall_shifts(shifts, speaker))
+            shifts = _wall_shifts(json.loads(data.attrs.get("wall_displacements", "{}")), speaker)
+            contact = ContactCourse(points, course["contact_pressures"], course["contact_drags"], shifts)
         if "hyoid_displacements" in data:
             course = fields(data, {"hyoid_displacements": (t, 3), "hyoid_rotations": (t, 3), "hyoid_centre": (3,)})
             hyoid = HyoidCourse(*course.values())

@@ -50,7 +50,7 @@ def column(slenderness: float, cells: Sequence[int] = (12, 2, 2)) -> Speaker:
 
 
 def over_tooth(speaker: Speaker, angle: float, *, x: float, clearance: float) -> Speaker:
-    """A block above the edge of a wedge (``angle`` in degrees) that runs along y at ``x``, ``clearance`` below it (m)."""
+    """A block above the edge of a wedge (``angle`` in degrees) that runs along y at ``x``, ``clearance`` below, m."""
     slope = 1.0 / np.tan(np.radians(0.5 * angle))
     half = 0.02 / slope
     low, high = speaker.nodes.min(axis=0), speaker.nodes.max(axis=0)

@@ -44,7 +44,9 @@ def commands_of(study: xr.Dataset, point: int) -> dict[str, float]:
 def check(study: xr.Dataset) -> None:
     """Every point converged, no element is inverted and no wall entered."""
     failed = study.where(study["status"] != "converged", drop=True)
-    assert failed.sizes["point"] == 0, [f"{p}: {r}" for p, r in zip(failed["point"].values, failed["reason"].values)]
+    assert failed.sizes["point"] == 0, [
+        f"{p}: {r}" for p, r in zip(failed["point"].values, failed["reason"].values, strict=True)
+    ]
     assert float(study["residual"].max()) <= RESIDUAL
     assert float(study["least_jacobian"].min()) > 0.0
     assert float(study["penetration"].max()) <= DEEPEST

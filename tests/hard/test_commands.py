@@ -12,7 +12,15 @@ from glossa import MUSCLES, VOWELS, MotorCommands, Ramp, Scene, Schedule, Speake
 FASTEST = 1.0
 """Speed in m/s that no node of a tongue reaches when commands jump: 0.3 seen."""
 
-ANTAGONISTS = [("GGp", "HG"), ("Sty", "GGa"), ("SL", "IL"), ("Vert", "Trans"), ("GH", "MH"), ("Sty", "GGp"), ("SL", "Vert")]
+ANTAGONISTS = [
+    ("GGp", "HG"),
+    ("Sty", "GGa"),
+    ("SL", "IL"),
+    ("Vert", "Trans"),
+    ("GH", "MH"),
+    ("Sty", "GGp"),
+    ("SL", "Vert"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +91,7 @@ def test_jumps_between_vowels(scene: Scene) -> None:
     """Hard: from /i/ to /a/ and back in no time, every 50 ms. Right: no failed step; likewise a ramp of 0.1 ms, which
     ends within a tenth of a millimetre of the jump."""
     targets = [(0.05 * k, VOWELS["ia"[k % 2]]) for k in range(4)]
-    jump, ramp = (
-        scene.simulate(Schedule.through(targets, transition=transition), 0.2) for transition in (0.0, 1e-4)
-    )
+    jump, ramp = (scene.simulate(Schedule.through(targets, transition=transition), 0.2) for transition in (0.0, 1e-4))
     moved(jump, fastest=FASTEST)
     moved(ramp, fastest=FASTEST)
     assert farthest(jump.positions[-1], ramp.positions[-1]) < 1e-4

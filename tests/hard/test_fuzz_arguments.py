@@ -58,7 +58,7 @@ def mobile() -> Scene:
     return Scene(hyoid_block(muscles={"upper": 2.0}), fixed=["right"])
 
 
-def chosen(options: Mapping[str, Any]) -> Scene:
+def chosen(**options: Any) -> Scene:
     return Scene(body(), **{"fixed": ["left"], **options})
 
 
@@ -97,10 +97,15 @@ TARGETS: dict[str, Target] = {
     "Lips": Target(Lips, {"length": 0.01, "area": 1e-4}),
     "MotorCommands": Target(MotorCommands, {"fractions": {"upper": 0.9}}),
     "a command": Target(mapped(MotorCommands), {"key": "upper", "value": 0.9}),
-    "commands changed": Target(lambda muscle, factor: VOWELS["i"].scaled(muscle, factor), {"muscle": "GGp", "factor": 1.1}),
+    "commands changed": Target(VOWELS["i"].scaled, {"muscle": "GGp", "factor": 1.1}),
     "Ramp": Target(
         Ramp,
-        {"target": MotorCommands({"upper": 0.9}), "duration": 0.03, "start": MotorCommands({"upper": 1.0}), "onset": 0.0},
+        {
+            "target": MotorCommands({"upper": 0.9}),
+            "duration": 0.03,
+            "start": MotorCommands({"upper": 1.0}),
+            "onset": 0.0,
+        },
     ),
     "Schedule": Target(Schedule, {"times": [0.0, 0.1], "commands": [MotorCommands({"upper": x}) for x in (1.0, 0.9)]}),
     "Schedule.through": Target(
@@ -109,7 +114,9 @@ TARGETS: dict[str, Target] = {
     ),
     "Schedule.at": Target(lambda time: Ramp(VOWELS["i"]).at(time), {"time": 0.01}),
     "Wall": Target(Wall, {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}),
-    "Spring": Target(Spring, {"on_hyoid": [0, 0, 0], "fixed": [0, 0, 1], "stiffness": 220.0, "rest_length": 1.0, "name": "s"}),
+    "Spring": Target(
+        Spring, {"on_hyoid": [0, 0, 0], "fixed": [0, 0, 1], "stiffness": 220.0, "rest_length": 1.0, "name": "s"}
+    ),
     "Hyoid": Target(
         Hyoid, {"surface": None, "mass": 0.002, "centre": [0, 0, 0], "springs": (Spring([0, 0, 0], [0, 0, 1], 220.0),)}
     ),
@@ -132,7 +139,7 @@ TARGETS: dict[str, Target] = {
         mapped(lambda sets: Speaker(CORNERS, [range(8)], node_sets=sets)), {"key": "jaw", "value": [0, 1]}
     ),
     "Scene": Target(
-        lambda **options: chosen(options),
+        chosen,
         {
             "gravity": "upright",
             "contact": True,
@@ -264,6 +271,4 @@ def test_fuzz_arguments(name: str, data: st.DataObject) -> None:
 def test_fuzz_leaves_the_scene_alone() -> None:
     """After all that, the scene that took it gives the same bits as one that did not."""
     fresh = Scene(body(), fixed=["left"])
-    assert np.array_equal(
-        scene().equilibrate({"upper": 0.8}).positions, fresh.equilibrate({"upper": 0.8}).positions
-    )
+    assert np.array_equal(scene().equilibrate({"upper": 0.8}).positions, fresh.equilibrate({"upper": 0.8}).positions)

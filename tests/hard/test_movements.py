@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from tests.blocks import block
@@ -28,7 +30,7 @@ def test_steps_from_a_tenth_of_a_millisecond_to_twenty() -> None:
         ends[step] = movement.positions[-1]
     errors = [farthest(ends[step], ends[STEPS[0]]) for step in STEPS[1:]]
     assert errors[-1] < 2e-5  # 0.008 mm seen
-    assert all(fine <= coarse for fine, coarse in zip(errors[:-1], errors[1:], strict=True))
+    assert all(fine <= coarse for fine, coarse in pairwise(errors))
     assert errors[0] < errors[-1] / 30.0  # 70 seen
 
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from tests.hard import random_commands as drawn
 
-from glossa import VOWELS, Scene, Speaker, studies
+from glossa import VOWELS, Scene, SolveError, Speaker, studies
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +42,15 @@ def test_many_random_commands(scene: Scene, which: str, count: int) -> None:
         assert all(study["reason"].values[failed.values])
         drawn.check(study.isel(point=np.flatnonzero(~failed.values)))
     apart = np.flatnonzero(drawn.distances(cold, warm) > drawn.SAME)
-    doubtful = 0
-    for point in apart[:20]:
-        compared = drawn.compare(
-            scene,
-            drawn.commands_of(cold, int(point)),
-            cold["positions"].values[point],
-            warm["positions"].values[point],
-            seed=int(point),
-        )
-        doubtful += not (compared.same or compared.both_real)
-    assert doubtful <= 2
+    doubtful = [int(point) for point in apart[:20] if not told_apart(scene, cold, warm, int(point))]
+    assert len(doubtful) <= 2, doubtful
+
+
+def told_apart(scene: Scene, cold: xr.Dataset, warm: xr.Dataset, point: int) -> bool:
+    """Whether two results are shown to be one equilibrium, or two."""
+    one, other = (study["positions"].values[point] for study in (cold, warm))
+    try:
+        compared = drawn.compare(scene, drawn.commands_of(cold, point), one, other, seed=point)
+    except SolveError:
+        return False
+    return compared.same or compared.both_real

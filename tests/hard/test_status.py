@@ -66,7 +66,7 @@ def test_inverted_start(scene: Scene, body: Speaker) -> None:
     assert error.report.iterations == 0
 
 
-def test_inverted_on_the_way(scene: Scene, body: Speaker) -> None:
+def test_inverted_on_the_way(body: Speaker) -> None:
     """The near end of the block is to go where its inner nodes are held: an element would have to turn inside out."""
     grid = np.flatnonzero(np.isclose(body.nodes[:, 0], 0.01))
     held = Speaker(

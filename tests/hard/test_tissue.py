@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from tests.blocks import block, hyoid_block, yeoh
@@ -42,7 +44,7 @@ def test_contraction_has_an_incompressible_limit(muscular: Speaker) -> None:
     """Hard: elements without a pressure of their own lock there. Right: each decade nearer to 0.5 changes the posture
     ten times less, while locking elements go on stiffening."""
     shapes = [contracted(muscular, ratio).positions for ratio in (0.49, 0.499, 0.4999, 0.49999)]
-    changes = [farthest(a, b) for a, b in zip(shapes[:-1], shapes[1:], strict=True)]
+    changes = [farthest(a, b) for a, b in pairwise(shapes)]
     assert 5.0 < changes[0] / changes[1] < 20.0
     assert 5.0 < changes[1] / changes[2] < 20.0
     locked = contracted(muscular, 0.49999, element="Q1").displacements
@@ -121,7 +123,7 @@ def test_stiff_beside_passive_tissue_becomes_rigid(power: int) -> None:
 def test_a_ratio_beyond_rounding_is_refused_with_its_reason() -> None:
     """Hard: at 5e8, rounding of the stiff half's forces exceeds the tolerance that the soft half sets. Right: a refusal
     that tells the residual left, with the posture of a rigid half all the same."""
-    with pytest.raises(SolveError, match="no equilibrium: (stalled|iteration_limit) .* residual") as caught:
+    with pytest.raises(SolveError, match=r"no equilibrium: (stalled|iteration_limit) .* residual") as caught:
         half_stiff(1e10)
     _, rigid = half_stiff(1e5)
     assert caught.value.report.residual < 1e-6 * caught.value.report.force_scale

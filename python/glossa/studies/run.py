@@ -100,14 +100,14 @@ def run_points(
         label_units: units of labels, for the attributes of their coordinates.
 
     Returns:
-        Dataset over ``point`` (and ``muscle``, ``node``, ``axis``, ``formant``, ``wall``, ``count``), labels as coordinates:
-        ``status`` ("converged"; a status of :class:`glossa.SolveReport`; "refused": no such speaker or scene; "error";
-        "lost": its workers died), ``reason``, ``acoustic_reason``, ``started`` (from the "start" given or from "rest";
-        empty: nothing was solved), ``iterations`` and ``seconds`` (of both solves where the first failed), ``worker``;
-        ``forces`` N, ``displacement`` m of the six midsagittal nodes, ``formants`` and ``bandwidths`` Hz,
-        ``tract_length`` m, ``contact_area`` m2, ``contact_force`` N, ``hyoid_displacement`` m, ``commands``, lips;
-        of the solve that converged ``residual`` over the force scale, ``least_jacobian``, ``penetration`` m and
-        ``effort``, counts of its report.
+        Dataset over ``point`` (and ``muscle``, ``node``, ``axis``, ``formant``, ``wall``, ``count``), labels as
+        coordinates: ``status`` ("converged"; a status of :class:`glossa.SolveReport`; "refused": no such speaker or
+        scene; "error"; "lost": its workers died), ``reason``, ``acoustic_reason``, ``started`` (from the "start" given
+        or from "rest"; empty: nothing was solved), ``iterations`` and ``seconds`` (of both solves where the first
+        failed), ``worker``; ``forces`` N, ``displacement`` m of the six midsagittal nodes, ``formants`` and
+        ``bandwidths`` Hz, ``tract_length`` m, ``contact_area`` m2, ``contact_force`` N, ``hyoid_displacement`` m,
+        ``commands``, lips; of the solve that converged ``residual`` over the force scale, ``least_jacobian``,
+        ``penetration`` m and ``effort``, counts of its report.
         Points that failed are there, with NaN. Attributes: provenance.
 
     Raises:
