@@ -189,12 +189,8 @@ def test_fuzz_pb(folder: Path, data: st.DataObject) -> None:
 
 # Results and studies
 
-UNRAISABLE = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-"""h5netcdf leaves files half open that it cannot read."""
-
 
 @fuzz
-@UNRAISABLE
 @given(data=st.data())
 def test_fuzz_posture_and_movement_files(body: Speaker, folder: Path, data: st.DataObject) -> None:
     files = folder / "posture.nc", folder / "movement.nc"
@@ -212,7 +208,6 @@ ATTRIBUTES = ("commands", "report", "walls", "wall_displacements", "time_s")
 
 
 @fuzz
-@UNRAISABLE
 @given(
     name=st.sampled_from([*ATTRIBUTES, "positions", "activations", "contact_wall", "hyoid_rotation", "pressure"]),
     text=st.sampled_from(["", "{", "[1", "null", "3", "[]", '{"a": 1}', '"x"', '{"residual": 1}', "NaN"]),

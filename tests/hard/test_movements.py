@@ -48,8 +48,8 @@ def test_steps_of_vowels(reference: Speaker, vowel: str, step: float) -> None:
 @pytest.mark.parametrize("vowel", ["i", "a", "u"])
 def test_two_seconds(reference: Speaker, vowel: str) -> None:
     """Hard: errors have sixty relaxation times to add up, and the reflex loop, at the border of its stability, to
-    build up. Right: the last half second oscillates no more than the one before, within a millimetre."""
-    movement = Scene(reference, mirror=True).simulate(Ramp(VOWELS[vowel]), 2.0, accuracy="draft")
+    build up. Right: the last half second oscillates no more than the one before, within two millimetres."""
+    movement = Scene(reference, mirror=True).simulate(Ramp(VOWELS[vowel]), 2.0)
     moved(movement, fastest=FASTEST)
     earlier, last = (swing(movement, begin) for begin in (1.0, 1.5))
     assert last < 1.5 * earlier + 5e-5
