@@ -84,7 +84,7 @@ class Comparison:
     @property
     def both_real(self) -> bool:
         """Both satisfy the equations, and are found again from near."""
-        # The solver's tolerance is a hundredth above the one asked for: it allows for rounding of the tissue's stresses.
+        # The solver adds to its tolerance what rounding of the tissue's stresses leaves.
         return max(self.residuals) <= 1.1 * SHARP.residual and max(self.returned) <= SAME
 
 
