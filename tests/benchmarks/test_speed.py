@@ -167,12 +167,12 @@ def test_resolution(resolution: int) -> None:
 
 def test_growth() -> None:
     """How factor and work grow with the size of the mesh, half and whole tongue, and what muscles add."""
-    print("\nsize of the Cholesky factor of the built-in speaker, every effect; power of the unknowns; silent muscles")
+    print("\nsize of the Cholesky factor of the built-in speaker, every effect; power of the unknowns; fibres in it")
     print(f"  {'':22}{'unknowns':>10}{'entries':>12}{'flops':>11}{'power':>8}{'flops':>11}{'power':>8}")
     for mirror in (True, False):
         levels = sorted({1, 2, 3, *RESOLUTIONS}) if mirror else sorted({1, 2, *RESOLUTIONS})
         study = size_study([], counted=levels, mirror=mirror)
-        powers = {name: growth(study, name) for name in ("factor_flops", "silent_flops")}
+        powers = {name: growth(study, name) for name in ("factor_flops", "whole_flops")}
         for r in levels:
             own = study.sel(resolution=r)
             name = f"resolution {r} {'half' if mirror else 'whole'}"

@@ -36,7 +36,7 @@ def size_command(
 ) -> None:
     """What a finer mesh costs: vowels of the built-in speaker from rest, their factors and memory, and how these grow.
 
-    Resolution 3 takes minutes, 4 tens of minutes.
+    Resolution 3 takes minutes, 4 a quarter of an hour.
     """
     check_outputs(plot)
     check_output(save, (".nc",))
@@ -80,9 +80,10 @@ def _rows(study: xr.Dataset, vowels: list[str]) -> Iterator[tuple[str, list[str]
     for vowel in vowels:
         own = study.sel(vowel=vowel)
         yield f"/{vowel}/, CPU s", cells(own["cpu_seconds"], 2)
+        yield f"/{vowel}/, s by the clock", cells(own["wall_seconds"], 2)
         yield f"/{vowel}/, factorisations", cells(own["factorisations"])
     yield "in factorisations, %", cells(study["factor_share"].mean("vowel", skipna=False), 0, 100.0)
-    for title, key in (("factor", "factor"), ("with silent muscles", "silent")):
+    for title, key in (("factor", "factor"), ("with fibres in it", "whole")):
         entries, flops = study[f"{key}_entries"], study[f"{key}_flops"]
         yield f"{title}: entries, 10⁶", cells(entries, 2, 1.0 / _MILLION)
         yield f"{title}: operations, 10⁹", cells(flops, 2, 1.0 / _GIGA)

@@ -11,9 +11,9 @@ from glossa.studies.size import check_size
 
 _FACTOR = (
     ("factor_flops", 1e-9, "one factorisation, 10⁹ operations", style.VERMILION, "-"),
-    ("silent_flops", 1e-9, "the same, muscles silent", style.VERMILION, "--"),
+    ("whole_flops", 1e-9, "the same, fibres in it", style.VERMILION, "--"),
     ("factor_entries", 1e-6, "its factor, 10⁶ entries", style.BLUE, "-"),
-    ("silent_entries", 1e-6, "the same, muscles silent", style.BLUE, "--"),
+    ("whole_entries", 1e-6, "the same, fibres in it", style.BLUE, "--"),
     ("memory", 1e-9, "memory of the process, GB", style.GREEN, "-"),
 )
 
@@ -41,7 +41,7 @@ def size(study: xr.Dataset) -> Figure:
     left.set_ylabel("processor time (s)")
     for name, scale, words, colour, dashes in _FACTOR:
         right.plot(unknowns, study[name] * scale, "o", linestyle=dashes, color=colour, label=words)
-    for name, power in (("silent_flops", 2.0), ("silent_entries", 4.0 / 3.0)):
+    for name, power in (("factor_flops", 2.0), ("factor_entries", 4.0 / 3.0)):
         scale = next(factor for own, factor, *_ in _FACTOR if own == name)
         start = float(study[name][0]) * scale
         right.plot(unknowns, start * (unknowns / unknowns[0]) ** power, color=style.FAINT, linewidth=2.5, zorder=0.8)

@@ -1,9 +1,9 @@
 """What a finer mesh costs: vowels of the built-in speaker from rest at several resolutions.
 
 The factor of a mesh of N unknowns in three dimensions takes N^(4/3) entries and N^2 operations where the order of
-elimination is that of nested dissection (George 1973, SIAM J. Numer. Anal. 10:345). A fibre couples all its nodes,
-which no such order keeps apart; the factor with silent muscles shows what that costs. :func:`growth` tells the powers
-found.
+elimination is that of nested dissection (George 1973, SIAM J. Numer. Anal. 10:345). A fibre's stiffness to stretch
+couples all its nodes, which no such order keeps apart: on fine meshes the solver leaves it out of the factor, and the
+factor of the whole tangent shows what that saves. :func:`growth` tells the powers found.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from glossa.studies.provenance import provenance
 COMMITTED = "results/size.nc"
 """Data file with the study that comes with the package."""
 
-GROWING = ("factor_entries", "factor_flops", "silent_entries", "silent_flops", "memory", "cpu_seconds")
+GROWING = ("factor_entries", "factor_flops", "whole_entries", "whole_flops", "memory", "cpu_seconds")
 """Quantities of :func:`growth`."""
 
 _COUNTS = ("iterations", "factorisations", "residuals")
@@ -59,9 +59,10 @@ def size_study(
 
     Returns:
         Over ``resolution``: ``hexahedra`` of the whole tongue, ``unknowns``, ``factor_entries`` and ``factor_flops`` of
-        one factorisation, ``silent_entries`` and ``silent_flops`` of one with silent muscles, ``memory`` B (the most
-        that the process held), ``making_seconds`` of speaker and scene; and over ``vowel``: ``cpu_seconds``,
-        ``factor_share`` of factorisations in the time by the clock, ``iterations``, ``factorisations``, ``residuals``.
+        one factorisation as the solver makes it, ``whole_entries`` and ``whole_flops`` of one with the fibres'
+        stiffness to stretch in it, ``memory`` B (the most that the process held), ``making_seconds`` of speaker and
+        scene; and over ``vowel``: ``cpu_seconds``, ``wall_seconds``, ``factor_share`` of factorisations in the time by
+        the clock, ``iterations``, ``factorisations``, ``residuals``.
         NaN where nothing was solved; ``reason`` of a failure, or empty. Attributes: machine, provenance.
 
     Raises:
@@ -91,23 +92,24 @@ def _row(resolution: int, solved: Sequence[str], names: Sequence[str], options: 
     scene = Scene(speaker, **options)
     making = time.process_time() - begin
     sizes = _sizes(scene, names[0])
-    found = {name: np.full(len(names), math.nan) for name in ("cpu_seconds", "factor_share", *_COUNTS)}
+    found = {name: np.full(len(names), math.nan) for name in ("cpu_seconds", "wall_seconds", "factor_share", *_COUNTS)}
     reasons = np.full(len(names), "", dtype=object)
     for place, name in enumerate(names):
         if name not in solved:
             continue
-        begin = time.process_time()
+        begin, start = time.process_time(), time.perf_counter()
         try:
             report = scene.equilibrate(vowel_commands(name)).report
         except SolveError as error:
             reasons[place] = reason_of(error)
             continue
         found["cpu_seconds"][place] = time.process_time() - begin
+        found["wall_seconds"][place] = time.perf_counter() - start
         assert report is not None
         found["factor_share"][place] = report.seconds["factorisation"] / report.seconds["total"]
         for count in _COUNTS:
             found[count][place] = getattr(report, count)
-    units = {"cpu_seconds": "s"}
+    units = {"cpu_seconds": "s", "wall_seconds": "s"}
     return xr.Dataset(
         {
             "hexahedra": len(speaker.hexahedra),
@@ -125,10 +127,10 @@ def _row(resolution: int, solved: Sequence[str], names: Sequence[str], options: 
 
 
 def _sizes(scene: Scene, vowel: str) -> dict[str, float]:
-    """Unknowns, entries and operations of a factor, with the muscles of a vowel and with none."""
+    """Unknowns, entries and operations of the solver's factor and of that of the whole tangent."""
     found = {}
-    for kind, commands in (("silent", None), ("factor", vowel_commands(vowel))):
-        pieces = _core.Pieces(scene._solver, scene._fractions(commands))
+    for kind in ("factor", "whole"):
+        pieces = _core.Pieces(scene._solver, scene._fractions(vowel_commands(vowel)), whole=kind == "whole")
         found[f"{kind}_entries"], found[f"{kind}_flops"] = float(pieces.factor_entries), float(pieces.factor_flops)
         found["unknowns"] = float(len(pieces.unknowns))
     return found
