@@ -55,7 +55,10 @@ class System {
   /// `whole_curvature` false at once; the last resort is the shift.
   [[nodiscard]] bool renew_factor(const Trial& trial, double mass_scale, Report& report, bool whole_curvature = true);
   /// x <- - P^(-1) x with the tangent of the present factor, to a residual of `tolerance` |x| (Newton's step).
-  void newton_step(Vector& x, double tolerance = 1e-2);
+  void newton_step(Vector& x, double tolerance);
+  /// The same as exactly as pays: nearly as with a factor in double precision, or, where the fibres' stiffness to
+  /// stretch is not in the factor, to a hundredth.
+  void newton_step(Vector& x) { newton_step(x, stretch_apart_ ? 1e-2 : 1e-10); }
   /// The same roughly, for quasi-Newton iterations.
   void precondition(Vector& x);
   /// K x for a node field, tangent of the last assemble (without mass).

@@ -21,6 +21,7 @@ extern "C" void openblas_set_num_threads(int);
 namespace glossa {
 namespace {
 
+constexpr double dear = 1e9;           // operations of a factorisation
 constexpr float slight_share = 1e-5f;  // of the diagonal: some hundred times the rounding of floats
 constexpr int most_refinements = 12;   // that are cheaper than a factor in double precision
 constexpr int most_iterations = 60;
@@ -178,7 +179,8 @@ bool Cholesky::factorise(const LowerColumns& matrix, int threads) {
   if (!std::isfinite(sum)) return false;
   impl_->matrix = &matrix;
   impl_->exact = false;
-  return impl_->single->factorise(matrix, threads) || impl_->single->factorise(matrix, threads, slight_share);
+  if (impl_->single->factorise(matrix, threads)) return true;
+  return impl_->flops < dear ? factorise_exactly() : impl_->single->factorise(matrix, threads, slight_share);
 }
 
 bool Cholesky::factorise_exactly() {

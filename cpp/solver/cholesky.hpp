@@ -22,9 +22,9 @@ class Cholesky {
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
 
-  /// Factorises in single precision on up to `threads` threads, with a slightly enlarged diagonal where rounding
-  /// makes the matrix indefinite; false if it is not positive definite (the previous factor is lost then). The matrix
-  /// must stay as it is while solve() is used.
+  /// Factorises in single precision on up to `threads` threads. Where rounding makes the matrix indefinite, in double
+  /// precision, or, if that is dear, with a slightly enlarged diagonal. False if it is not positive definite (the
+  /// previous factor is lost then). The matrix must stay as it is while solve() is used.
   [[nodiscard]] bool factorise(const LowerColumns& matrix, int threads = 1);
   /// Replaces `x` by the solution of A x = b, x = b on entry, to a residual of `tolerance` |b| or what rounding in
   /// double precision allows: with a factor in single precision by conjugate gradients. Needs a successful
