@@ -8,6 +8,7 @@
 namespace glossa::python {
 
 void bind_contact(pybind11::module_& module);
+void bind_linear_motion(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_results(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);

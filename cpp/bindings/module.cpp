@@ -29,6 +29,7 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   glossa::python::bind_contact(module);
+  glossa::python::bind_linear_motion(module);
   glossa::python::bind_results(module);
   glossa::python::bind_scene(module);
   glossa::python::bind_simulation(module);

@@ -32,6 +32,7 @@ from glossa.effects import (
 )
 from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.hyoid_motion import check_mobile_hyoid
+from glossa.linear_motion import LinearMotion, linear_motion
 from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
@@ -47,6 +48,8 @@ from glossa.spatial_error import (
 from glossa.tolerances import Tolerances, tolerances
 
 log = logging.getLogger(__name__)
+
+_BALANCED = 1e-3  # residual over force scale of what counts as an equilibrium
 
 
 class Scene:
@@ -403,6 +406,41 @@ class Scene:
             status=report.status,
             posture=posture,
             report=report,
+        )
+
+    def linearise(self, posture: Posture) -> LinearMotion:
+        """Matrices of small movements about an equilibrium of this scene, its reflex delayed.
+
+        Raises:
+            InputError: a posture of another speaker, a moment of a movement, or no equilibrium of this scene.
+        """
+        if not isinstance(posture, Posture) or posture.time is not None:
+            raise InputError("linearise needs a Posture from equilibrate, not a moment of a movement")
+        positions, _ = self._start(posture)
+        walls = posture.wall_displacements if self.contact else {}
+        pressure, drag = self._body.restrict_contact(posture.contact)
+        core = _core.LinearMotion(
+            self._solver,
+            fractions=self._fractions(self._commands(posture.commands)),
+            positions=self._body.restrict_positions(positions, "posture"),
+            contact_pressure=pressure,
+            contact_drag=drag,
+            wall_shift=self._wall_shift(walls),
+        )
+        nothing = np.zeros(len(core.unknowns))
+        residual = float(np.linalg.norm(core.force(nothing, nothing, core.activation)))
+        scale = 1.0 if posture.report is None else posture.report.force_scale
+        if residual > _BALANCED * scale:
+            raise InputError(
+                f"linearise: forces of {residual:.3g} N are left in this posture; it is no equilibrium of this scene. "
+                "Equilibrate it here first"
+            )
+        names, source = list(self.speaker.muscles), self._body.fibre_source
+        return linear_motion(
+            core,
+            self.reflex,
+            muscles=[names[k] for k in self._body.fibres.muscle[source][core.active]],
+            nodes_of=self._body.expand,
         )
 
     def start(
