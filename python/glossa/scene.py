@@ -50,6 +50,7 @@ from glossa.tolerances import Tolerances, tolerances
 log = logging.getLogger(__name__)
 
 _BALANCED = 1e-3  # residual over force scale of what counts as an equilibrium
+_LEAST_SCALE = 1e-6  # N
 
 
 class Scene:
@@ -430,7 +431,7 @@ class Scene:
         nothing = np.zeros(len(core.unknowns))
         residual = float(np.linalg.norm(core.force(nothing, nothing, core.activation)))
         scale = 1.0 if posture.report is None else posture.report.force_scale
-        if residual > _BALANCED * scale:
+        if residual > _BALANCED * max(scale, _LEAST_SCALE):
             raise InputError(
                 f"linearise: forces of {residual:.3g} N are left in this posture; it is no equilibrium of this scene. "
                 "Equilibrate it here first"

@@ -49,6 +49,7 @@ from glossa.cli.paper_commands import delay_command, gravity_command, sensitivit
 from glossa.cli.replicate_command import replicate_command
 from glossa.cli.size_command import size_command
 from glossa.cli.spatial_output import print_spatial_errors, spatial_json
+from glossa.cli.stability_command import stability_command
 from glossa.cli.study_commands import sweep_command
 from glossa.errors import InputError
 from glossa.motor import VOWELS, Ramp
@@ -317,6 +318,11 @@ app.command("transversalis", epilog="Examples: glossa transversalis | glossa tra
 app.command("delay", epilog="Examples: glossa delay i --plot delay.png | glossa delay u --delays 5,17 --json")(
     delay_command
 )
+app.command(
+    "stability",
+    epilog="Examples: glossa stability --show | glossa stability i --plot stability.png | glossa stability u "
+    "--delays 10,17,25 --gains 5,10 --gradients 40 --json",
+)(stability_command)
 app.command(
     "replicate",
     epilog="Examples: glossa replicate --html paper.html | glossa replicate -s pb_folder -w 2 --store pb.study --json",

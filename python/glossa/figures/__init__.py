@@ -19,6 +19,7 @@ from glossa.figures.overview import overview
 from glossa.figures.size import size
 from glossa.figures.spatial import frontal_views, muscles, surfaces
 from glossa.figures.speaker import speaker
+from glossa.figures.stability import stability
 from glossa.figures.tract import cutting_planes, tract_sections
 from glossa.figures.transversalis import transversalis
 
@@ -47,6 +48,7 @@ __all__ = [
     "saturation",
     "size",
     "speaker",
+    "stability",
     "stress_strain",
     "surfaces",
     "tract_sections",

@@ -23,6 +23,7 @@ from glossa.studies.sensitivity_summary import compared_changes, sensitivity_sum
 from glossa.studies.single_muscle import single_muscle, single_muscle_command, single_muscles
 from glossa.studies.size import size_study
 from glossa.studies.spatial_errors import spatial_errors
+from glossa.studies.stability import StabilityGrid, stability
 from glossa.studies.study_dataset import open_study
 from glossa.studies.sweep import as_grid, sweep
 from glossa.studies.symmetry import SymmetryCheck, symmetry
@@ -38,6 +39,7 @@ __all__ = [
     "Progress",
     "Replication",
     "SymmetryCheck",
+    "StabilityGrid",
     "accuracy",
     "accuracy_study",
     "as_grid",
@@ -76,6 +78,7 @@ __all__ = [
     "single_muscles",
     "size_study",
     "spatial_errors",
+    "stability",
     "stress_strain",
     "sweep",
     "symmetry",
