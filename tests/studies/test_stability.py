@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,14 +11,14 @@ import scipy.sparse as sp
 from scipy.special import lambertw
 from tests.blocks import block
 
-from glossa import VOWELS, InputError, MotorCommands, Reflex, Scene, Speaker, studies
-from glossa.linear_motion import ComplexArray, LinearMotion
+from glossa import VOWELS, InputError, MotorCommands, Posture, Reflex, Scene, Speaker, studies
+from glossa.linear_motion import LinearMotion
 from glossa.studies.stability import check_stability, committed_stability, linear_range, strongest_muscle
 from glossa.studies.stability_basis import reduced_motion
 from glossa.studies.stability_generator import chebyshev_slope, spectrum
 from glossa.studies.stability_loci import delay_margin, loop_loci, unstable_roots
-from glossa.studies.stability_roots import Root, rightmost_roots
-from glossa.studies.stability_trace import disturbed, measured_root
+from glossa.studies.stability_roots import rightmost_roots
+from glossa.studies.stability_trace import growth_in_steps, measured_root
 
 BODY = {"cells": (3, 2, 2), "size": (0.06, 0.03, 0.03), "muscles": {"axial": 20.0}}
 COMMANDS = MotorCommands({"axial": 0.9})
@@ -48,11 +49,6 @@ def block_scene(delay: float = 0.017, velocity_gain: float = 0.01) -> Scene:
 def contracted() -> LinearMotion:
     scene = block_scene()
     return scene.linearise(scene.equilibrate(COMMANDS))
-
-
-def shape_of(motion: LinearMotion, root: Root) -> ComplexArray:
-    real = motion.nodes_of(root.shape.real)
-    return real + 1j * motion.nodes_of(root.shape.imag) if root.frequency > 0.0 else real.astype(complex)
 
 
 # Against equations solved by hand
@@ -171,6 +167,9 @@ def test_driver_and_range_of_a_root(contracted: LinearMotion) -> None:
     reach = linear_range(contracted, root)
     # Activations are millimetres here, and lengths follow the free end.
     assert 0.1 * contracted.activations.min() < reach < 10.0 * contracted.activations.max()
+    table = studies.posture_roots(block_scene(), block_scene().equilibrate(COMMANDS), 1)
+    assert table["growth"].tolist() == pytest.approx([root.value.real], rel=1e-6)
+    assert table["linear_range"].tolist() == pytest.approx([reach], rel=1e-6)
     alone = springs(0.02, 2.0, 30.0, 150.0)
     single = rightmost_roots(alone, reduced_motion(alone), 0.02, 0.0, 1)[0]
     assert linear_range(alone, single) == pytest.approx(1e-3 * math.exp(single.value.real * 0.02), rel=1e-9)
@@ -179,51 +178,61 @@ def test_driver_and_range_of_a_root(contracted: LinearMotion) -> None:
 # Against movements
 
 
-def grown(delay: float, posture_scene: Scene, step: float) -> tuple[float, float, complex]:
-    """Growth and frequency of a disturbed block, measured, and the root of that frequency."""
-    posture = posture_scene.equilibrate(COMMANDS)
-    motion = posture_scene.linearise(posture)
-    roots = rightmost_roots(motion, reduced_motion(motion), delay, 0.01, 6)
-    first = next(root for root in roots if root.frequency > 0.0)
-    shapes = [shape_of(motion, root) for root in [first, *(root for root in roots if root is not first)]]
-    movement = disturbed(block_scene(delay), posture, 0.4, size=1e-5, dt=step)
-    found = measured_root(movement, shapes, (0.25, 0.4))
-    return found.growth, found.frequency, first.value
+def block_posture(delay: float) -> tuple[Scene, Posture]:
+    scene = block_scene(delay)
+    return scene, scene.equilibrate(COMMANDS)
 
 
 @pytest.mark.parametrize("share", [0.75, 1.3])
 def test_movements_of_a_block_grow_as_the_root_says(contracted: LinearMotion, share: float) -> None:
     """On both sides of the border, and the integrator's error falls with the square of its step."""
-    delay = share * delay_margin(loop_loci(contracted), 0.01)
-    errors = []
-    for step in (1e-3, 5e-4):
-        growth, frequency, root = grown(delay, block_scene(), step)
-        errors.append(growth - root.real)
-        assert (growth > 0.0) == (root.real > 0.0) == (share > 1.0)
-        assert frequency == pytest.approx(root.imag / (2.0 * math.pi), rel=5e-3)
-    assert abs(errors[1]) < 0.3 * abs(errors[0]) < 1.0
-    extrapolated = errors[1] + (errors[1] - errors[0]) / 3.0
-    assert abs(extrapolated) < 0.1
+    scene, posture = block_posture(share * delay_margin(loop_loci(contracted), 0.01))
+    table = growth_in_steps(scene, posture, (1e-3, 5e-4), until=0.45)
+    assert ((table["growth"] > 0.0) == (share > 1.0)).all()
+    frequency = table["frequency"].to_numpy(dtype=float)
+    assert frequency == pytest.approx(frequency[2], rel=5e-3)
+    growth = table["growth"].to_numpy(dtype=float)
+    coarse, fine = growth[:2] - growth[2]
+    assert abs(fine) < 0.3 * abs(coarse) < 1.0
+    assert abs(fine + (fine - coarse) / 3.0) < 0.1
+
+
+def test_measured_growth_is_that_of_its_own_shape() -> None:
+    """Of a sum of two shapes, one of which grows and one decays."""
+    scene, posture = block_posture(0.017)
+    still = scene.simulate(COMMANDS, 0.01, dt=0.005, initial=posture)
+    times = np.linspace(0.0, 0.2, 101)
+    rng = np.random.default_rng(7)
+    size = posture.positions.shape
+    shapes = [rng.normal(size=size) + 1j * rng.normal(size=size) for _ in range(2)]
+    roots = (3.0 + 170.0j, -12.0 + 400.0j)
+    parts = [np.real(np.exp(s * times)[:, None, None] * shape) for s, shape in zip(roots, shapes, strict=True)]
+    movement = replace(still, times=times, velocities=parts[0] + parts[1])
+    for k, s in enumerate(roots):
+        found = measured_root(movement, [shapes[k], shapes[1 - k]], (0.05, 0.15))
+        assert found.growth == pytest.approx(s.real, rel=1e-9)
+        assert found.frequency == pytest.approx(s.imag / (2.0 * math.pi), rel=1e-9)
+        assert found.misfit < 1e-9
+    with pytest.raises(InputError, match="too few"):
+        measured_root(movement, shapes, (0.05, 0.055))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.8, 1.2])
 def test_movements_of_the_speaker_grow_as_the_root_says(reference: Speaker, share: float) -> None:
-    """The mirrored speaker about /i/, walls without friction, hyoid mobile: steps of 1 ms."""
+    """The mirrored speaker about /i/, walls without friction, hyoid mobile."""
     scene = Scene(reference, mirror=True, friction=0.0)
     posture = scene.equilibrate(VOWELS["i"])
-    motion = scene.linearise(posture)
-    delay = share * delay_margin(loop_loci(motion), 0.01)
-    roots = rightmost_roots(motion, reduced_motion(motion), delay, 0.01, 8)
-    first = roots[0]
-    assert (first.value.real > 0.0) == (share > 1.0)
-    assert first.frequency > 10.0
+    delay = share * delay_margin(loop_loci(scene.linearise(posture)), 0.01)
     there = Scene(reference, **{**scene.options, "reflex": Reflex(delay=delay)})
-    movement = disturbed(there, posture, 0.6, size=1e-5, dt=1e-3, integrator="SDIRK2")
-    found = measured_root(movement, [shape_of(motion, root) for root in roots], (0.4, 0.6))
-    # 0.05 to 0.2 per s at 1 ms, a quarter of that at 0.5 ms.
-    assert found.growth == pytest.approx(first.value.real, abs=0.4)
-    assert found.frequency == pytest.approx(first.frequency, rel=2e-3)
+    table = growth_in_steps(there, posture, (1e-3, 5e-4))
+    assert ((table["growth"] > 0.0) == (share > 1.0)).all()
+    frequency = table["frequency"].to_numpy(dtype=float)
+    assert frequency == pytest.approx(frequency[2], rel=2e-3)
+    growth = table["growth"].to_numpy(dtype=float)
+    coarse, fine = np.abs(growth[:2] - growth[2])
+    assert fine < 0.1  # 0.01 to 0.03 seen
+    assert coarse < 0.4
 
 
 # The study

@@ -24,6 +24,9 @@ from glossa.studies.single_muscle import single_muscle, single_muscle_command, s
 from glossa.studies.size import size_study
 from glossa.studies.spatial_errors import spatial_errors
 from glossa.studies.stability import StabilityGrid, stability
+from glossa.studies.stability import StabilityGrid, posture_roots, stability
+from glossa.studies.stability_schedules import movements_in_steps, random_ramps
+from glossa.studies.stability_trace import growth_in_steps
 from glossa.studies.study_dataset import open_study
 from glossa.studies.sweep import as_grid, sweep
 from glossa.studies.symmetry import SymmetryCheck, symmetry
@@ -58,14 +61,18 @@ __all__ = [
     "gravity_at_rest",
     "gravity_of_vowels",
     "grid",
+    "growth_in_steps",
     "latin_hypercube",
     "midsagittal_nodes",
     "monte_carlo",
     "movement_tracts",
+    "movements_in_steps",
     "muscle_effects",
     "observed_order",
     "open_study",
+    "posture_roots",
     "posture_table",
+    "random_ramps",
     "replicate",
     "resolution_study",
     "rest_posture",

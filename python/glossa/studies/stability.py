@@ -11,7 +11,6 @@ silent for a part of each cycle, with micrometres. ``linear_range`` tells how fa
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from glossa.checks import not_negative_number, positive_number, whole_number
@@ -26,6 +26,7 @@ from glossa.data_files import data_path
 from glossa.errors import InputError, SolveError
 from glossa.linear_motion import LinearMotion
 from glossa.motor.commands import MotorCommands, vowel_commands
+from glossa.results import Posture
 from glossa.scene import Scene
 from glossa.studies.failure import reason_of
 from glossa.studies.machine import machine
@@ -33,8 +34,6 @@ from glossa.studies.provenance import solve_provenance
 from glossa.studies.stability_basis import reduced_motion
 from glossa.studies.stability_loci import delay_margin, loop_loci, unstable_roots
 from glossa.studies.stability_roots import Root, rightmost_roots
-
-log = logging.getLogger(__name__)
 
 DELAYS = (0.0, 0.005, 0.010, 0.017, 0.025, 0.035, 0.050)
 """s."""
@@ -72,7 +71,7 @@ class StabilityGrid:
     delays: Sequence[float] = DELAYS
     velocity_gains: Sequence[float] = VELOCITY_GAINS
     firing_gradients: Sequence[float] = FIRING_GRADIENTS
-    roots: int = 4
+    roots: int = 3
 
     def __post_init__(self) -> None:
         for name, check in (("delays", not_negative_number), ("velocity_gains", not_negative_number)):
@@ -132,6 +131,28 @@ def stability(
     result.attrs["effects"] = ", ".join(scene.effects)
     result.attrs["commands"] = str({name: dict(commands) for name, commands in chosen.items()})
     return result
+
+
+def posture_roots(scene: Scene, posture: Posture, count: int = 4) -> pd.DataFrame:
+    """Rightmost roots about an equilibrium with the scene's own reflex, rightmost first.
+
+    Args:
+        scene: that the posture is an equilibrium of.
+        posture: of :meth:`glossa.Scene.equilibrate`.
+        count: of roots, complex pairs once.
+
+    Returns:
+        ``growth`` (1/s), ``frequency`` (Hz), ``muscle``, ``linear_range`` (m), ``residual``, as :func:`stability`.
+
+    Raises:
+        InputError: a posture that is no equilibrium of this scene.
+    """
+    motion = scene.linearise(posture)
+    found = rightmost_roots(motion, reduced_motion(motion), motion.delay, motion.velocity_gain, count)
+    rows = [
+        (r.value.real, r.frequency, strongest_muscle(motion, r), linear_range(motion, r), r.residual) for r in found
+    ]
+    return pd.DataFrame(rows, columns=["growth", "frequency", "muscle", "linear_range", "residual"])
 
 
 def committed_stability() -> xr.Dataset:

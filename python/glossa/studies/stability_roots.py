@@ -27,7 +27,7 @@ CONVERGED = 1e-9
 """Backward error of a root: |T x| over the sum of the sizes of its terms."""
 
 _STEPS = 30
-_SPARE = 3  # starts beyond the roots that are wanted
+_SPARE = 2  # starts beyond the roots that are wanted
 _SEEN = 1.5  # modulus times delay over intervals of the delay, up to which the generator's eigenvalues are roots
 _SAME = 1e-6  # relative distance of roots that are one
 

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
+import pandas as pd
 
 from glossa.checks import positive_number
 from glossa.errors import InputError
-from glossa.linear_motion import ComplexArray
+from glossa.linear_motion import ComplexArray, LinearMotion
 from glossa.motor.commands import MotorCommands
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture
 from glossa.scene import Scene
+from glossa.studies.stability_basis import reduced_motion
+from glossa.studies.stability_roots import Root, rightmost_roots
 
 PULSE = 0.010
 """s, from the start of a disturbance to its end."""
 
 _LEAST_FRAMES = 5
+_SHAPES = 8  # of roots that a movement is made of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +38,56 @@ class Measured:
     growth: float
     frequency: float
     misfit: float
+
+
+def growth_in_steps(
+    scene: Scene,
+    posture: Posture,
+    steps: Sequence[float] = (0.002, 0.001, 0.0005),
+    *,
+    size: float = 1e-5,
+    until: float = 0.6,
+    integrator: str = "SDIRK2",
+) -> pd.DataFrame:
+    """Growth and frequency of a slightly disturbed equilibrium in several time steps, beside its rightmost root.
+
+    The root is the rightmost that oscillates; its growth is measured in the last third of the movement.
+
+    Args:
+        scene: with a reflex, that the posture is an equilibrium of.
+        posture: with commands.
+        steps: s.
+        size: of the disturbance, as a share of the commands.
+        until: end of the movements, s.
+        integrator: as for :meth:`glossa.Scene.simulate`.
+
+    Returns:
+        By step (s), and "root": ``growth`` (1/s), ``frequency`` (Hz), ``misfit``.
+
+    Raises:
+        InputError: no root that oscillates, or as for :func:`disturbed`.
+        SolveError: a step failed.
+    """
+    motion = scene.linearise(posture)
+    roots = rightmost_roots(motion, reduced_motion(motion), motion.delay, motion.velocity_gain, _SHAPES)
+    first = next((root for root in roots if root.frequency > 0.0), None)
+    if first is None:
+        raise InputError(f"none of the {len(roots)} rightmost roots about this posture oscillates")
+    shapes = [_on_nodes(motion, root) for root in [first, *(root for root in roots if root is not first)]]
+    rows = {}
+    for step in steps:
+        movement = disturbed(scene, posture, until, size=size, dt=step, integrator=integrator)
+        rows[f"{step:g}"] = asdict(measured_root(movement, shapes, (until * 2.0 / 3.0, until)))
+    rows["root"] = {"growth": first.value.real, "frequency": first.frequency, "misfit": 0.0}
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")
+
+
+def _on_nodes(motion: LinearMotion, root: Root) -> ComplexArray:
+    """(n, 3) shape of a root on the speaker's nodes; real for a real root."""
+    shape = motion.nodes_of(root.shape.real).astype(complex)
+    if root.frequency > 0.0:
+        shape.imag = motion.nodes_of(root.shape.imag)
+    return shape
 
 
 def disturbed(
