@@ -32,8 +32,8 @@ from glossa.studies.failure import reason_of
 from glossa.studies.machine import machine
 from glossa.studies.provenance import solve_provenance
 from glossa.studies.stability_basis import reduced_motion
-from glossa.studies.stability_loci import delay_margin, loop_loci, unstable_roots
-from glossa.studies.stability_roots import Root, rightmost_roots
+from glossa.studies.stability_loci import LoopLoci, delay_margin, loop_loci, unstable_roots
+from glossa.studies.stability_roots import SEEN, Root, rightmost_roots
 
 DELAYS = (0.0, 0.005, 0.010, 0.017, 0.025, 0.035, 0.050)
 """s."""
@@ -100,7 +100,9 @@ def stability(
         NaN where fewer converge: ``growth`` (1/s), ``frequency`` (Hz), ``residual`` of the characteristic equation of
         the whole body, ``muscle`` whose fibres have the largest part, ``linear_range``, motion of the fastest node (m)
         at which the first of the fibres that drive it falls silent. ``unstable``: number of all unstable roots, by the
-        loci of the loop gain, NaN where it cannot be told. ``chain_gain``: largest loop gain above 100 Hz.
+        loci of the loop gain, NaN where it cannot be told. ``growth_beyond``: most that the loop gain lets roots grow
+        of which the frequency is too high for the discretised delay, 1/s. ``chain_gain``: largest loop gain above
+        100 Hz.
         ``border_delay`` (s): up to where no root is unstable, over ``border_gain`` (s). ``reason`` why an equilibrium
         has none.
 
@@ -176,7 +178,7 @@ def _about(scene: Scene, commands: MotorCommands, grid: StabilityGrid) -> xr.Dat
     shape = (len(grid.velocity_gains), len(grid.delays), grid.roots)
     values = {name: np.full(shape, math.nan) for name in _VALUES}
     muscles = np.full(shape, "", dtype=object)
-    unstable = np.full(shape[:2], math.nan)
+    unstable, beyond = np.full(shape[:2], math.nan), np.full(shape[:2], math.nan)
     chain = np.full(shape[0], math.nan)
     gains = np.linspace(0.0, max(grid.velocity_gains[-1], 1e-3), BORDER)
     border = np.full(BORDER, math.nan)
@@ -194,6 +196,7 @@ def _about(scene: Scene, commands: MotorCommands, grid: StabilityGrid) -> xr.Dat
             for j, delay in enumerate(grid.delays):
                 count = unstable_roots(loci, delay, gain)
                 unstable[i, j] = math.nan if count is None else count
+                beyond[i, j] = _growth_beyond(loci, delay, gain)
                 for k, root in enumerate(rightmost_roots(motion, reduced, delay, gain, grid.roots)):
                     muscles[i, j, k] = strongest_muscle(motion, root)
                     found = (root.value.real, root.frequency, root.residual, linear_range(motion, root))
@@ -205,6 +208,7 @@ def _about(scene: Scene, commands: MotorCommands, grid: StabilityGrid) -> xr.Dat
         | {
             "muscle": (dims, muscles.astype(str)),
             "unstable": (dims[:2], unstable),
+            "growth_beyond": (dims[:2], beyond, {"units": "1/s"}),
             "chain_gain": (dims[:1], chain, {"units": "1"}),
             "border_delay": (("border_gain",), border, {"units": "s"}),
             "reason": ((), reason),
@@ -215,6 +219,14 @@ def _about(scene: Scene, commands: MotorCommands, grid: StabilityGrid) -> xr.Dat
             "border_gain": ("border_gain", gains, {"units": "s"}),
         },
     )
+
+
+def _growth_beyond(loci: LoopLoci, delay: float, velocity_gain: float) -> float:
+    """|exp(-s d) (1 + mu s) h| = 1 at a root, and h falls to the right of the imaginary axis."""
+    if delay == 0.0:
+        return -math.inf
+    gain = loci.largest_gain(velocity_gain, SEEN / (2.0 * math.pi * delay))
+    return math.log(gain) / delay if gain > 0.0 else -math.inf
 
 
 def strongest_muscle(motion: LinearMotion, root: Root) -> str:

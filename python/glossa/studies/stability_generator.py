@@ -20,11 +20,11 @@ from glossa.anatomy.arrays import FloatArray
 from glossa.linear_motion import ComplexArray
 from glossa.studies.stability_basis import ReducedMotion
 
-POINTS = 12
+POINTS = 20
 """Intervals of the delay."""
 
-LEAST_GAIN = 2e-2
-"""Combinations of fibres whose loop gain is less than this play no part; their pace of reference is 1 / PACE."""
+LEAST_GAIN = 5e-2
+"""Combinations of fibres whose loop gain at PACE is less play no part; of the largest gain where that is above 1."""
 
 PACE = 100.0
 """1/s."""
@@ -77,7 +77,7 @@ def channels(motion: ReducedMotion, least_gain: float) -> tuple[FloatArray, Floa
     own_pulls, pull_factor = la.qr(la.solve_triangular(root, motion.pulls, lower=True), mode="economic")
     own_gradients, gradient_factor = la.qr(la.solve_triangular(root, motion.gradients, lower=True), mode="economic")
     left, gains, right = la.svd(pull_factor @ gradient_factor.T)
-    kept = gains > least_gain
+    kept = gains > least_gain * max(1.0, float(gains.max(initial=0.0)))
     return root @ own_pulls @ (left[:, kept] * gains[kept]), root @ own_gradients @ right[kept].T
 
 

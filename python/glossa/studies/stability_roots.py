@@ -23,12 +23,14 @@ from glossa.linear_motion import ComplexArray, LinearMotion
 from glossa.studies.stability_basis import ReducedMotion
 from glossa.studies.stability_generator import POINTS, spectrum
 
-CONVERGED = 1e-9
+CONVERGED = 1e-10
 """Backward error of a root: |T x| over the sum of the sizes of its terms."""
+
+SEEN = 1.5 * POINTS
+"""Modulus times delay up to which eigenvalues of the generator are near roots."""
 
 _STEPS = 30
 _SPARE = 2  # starts beyond the roots that are wanted
-_SEEN = 1.5  # modulus times delay over intervals of the delay, up to which the generator's eigenvalues are roots
 _SAME = 1e-6  # relative distance of roots that are one
 
 
@@ -85,7 +87,7 @@ def rightmost_roots(
     not_negative_number(velocity_gain, "velocity gain (s)")
     wanted = whole_number(count, "roots", 1, 1000)
     values, shapes = spectrum(reduced, delay, velocity_gain)
-    starts = np.flatnonzero((values.imag >= 0.0) & (np.abs(values) * delay <= _SEEN * POINTS))[: wanted + _SPARE]
+    starts = np.flatnonzero((values.imag >= 0.0) & (np.abs(values) * delay <= SEEN))[: wanted + _SPARE]
     found: list[Root] = []
     for k in starts.tolist():
         root = newton_root(motion, values[k], reduced.basis @ shapes[:, k], delay, velocity_gain)
@@ -111,14 +113,15 @@ def newton_root(motion: LinearMotion, start: complex, shape: ComplexArray, delay
     s, x = complex(start), shape / np.linalg.norm(shape)
     best = _root(motion, s, x, delay, velocity_gain)
     for _ in range(_STEPS):
-        if best.residual <= 1e-3 * CONVERGED:
+        if best.residual <= CONVERGED:
             break
         gain, gain_slope = delayed_gain(s, delay, velocity_gain)
         lengths = motion.gradients.T @ x
         matrix = sp.block_array([[motion.held(s), pulls], [gain * gradients.T, -sp.eye_array(pulls.shape[1])]])
         right = np.concatenate([2.0 * s * (motion.mass @ x) + motion.damping @ x, gain_slope * lengths])
         try:
-            solution = sla.splu(matrix.tocsc()).solve(right)[: motion.size]
+            factor = sla.splu(matrix.tocsc(), diag_pivot_thresh=0.01, options={"SymmetricMode": True})
+            solution = factor.solve(right)[: motion.size]
         except RuntimeError:  # exactly singular: this is the root
             break
         s -= complex(np.vdot(x, x) / np.vdot(x, solution))
@@ -126,8 +129,6 @@ def newton_root(motion: LinearMotion, start: complex, shape: ComplexArray, delay
         if not np.isfinite(x).all() or not cmath.isfinite(s) or abs(s.real * delay) > 100.0:
             break
         found = _root(motion, s, x, delay, velocity_gain)
-        if best.residual <= CONVERGED and found.residual >= best.residual:
-            break
         best = found
     return best
 

@@ -20,6 +20,7 @@ import xarray as xr
 
 from glossa.anatomy.arrays import FloatArray
 from glossa.checks import positive_number, whole_number
+from glossa.data_files import data_path
 from glossa.errors import InputError, SolveError
 from glossa.motor.commands import VOWELS, MotorCommands
 from glossa.motor.schedule import Ramp
@@ -33,6 +34,9 @@ from glossa.studies.traces import even_times, node_traces
 
 STEPS = (0.001, 0.002, 0.005, 0.010)
 """s."""
+
+COMMITTED = "results/stability_movements.nc"
+"""Data file with fifty ramps of the built-in speaker under several conditions."""
 
 LATE = 0.25
 """End of a movement in which its cycle is measured, s."""
@@ -134,6 +138,17 @@ def movements_in_steps(
         **machine(),
     }
     return result
+
+
+def committed_movements() -> dict[str, xr.Dataset]:
+    """The movements that come with the package, by condition, as :func:`movements_in_steps` returns them.
+
+    Raises:
+        InputError: their file is not there.
+    """
+    with xr.open_dataset(data_path(COMMITTED), engine="h5netcdf") as opened:
+        loaded = opened.load()
+    return {name: loaded.sel(condition=name, drop=True) for name in loaded["condition"].values.tolist()}
 
 
 def agreement(study: xr.Dataset) -> xr.Dataset:
