@@ -106,7 +106,8 @@ def _samples(low: float, high: float, delay: float) -> FloatArray:
 def delay_margin(loci: LoopLoci, velocity_gain: float) -> float:
     """Delay (s) up to which no root is unstable: the least at which a locus passes through -1; inf: never, 0: always.
 
-    There |(1 + i w mu) h| = 1, and the delay turns it to -1.
+    There |(1 + i w mu) h| = 1, and the delay turns it to -1. A gain that is still above 1 at the highest frequency
+    counts as if it were 1 there.
     """
     if unstable_roots(loci, 0.0, velocity_gain):
         return 0.0
@@ -116,9 +117,9 @@ def delay_margin(loci: LoopLoci, velocity_gain: float) -> float:
     smooth = PchipInterpolator(logs, gains.real)(fine) + 1j * PchipInterpolator(logs, gains.imag)(fine)
     size = np.abs(smooth)
     step, locus = np.nonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
-    if not len(step):
-        return math.inf
     share = (1.0 - size[step, locus]) / (size[step + 1, locus] - size[step, locus])
-    there = (1.0 - share) * smooth[step, locus] + share * smooth[step + 1, locus]
+    left = smooth[-1, size[-1] >= 1.0]
+    there = np.concatenate([(1.0 - share) * smooth[step, locus] + share * smooth[step + 1, locus], left])
     omega = 2.0 * np.pi * np.exp((1.0 - share) * fine[step] + share * fine[step + 1])
-    return float((np.mod(np.angle(there) + np.pi, 2.0 * np.pi) / omega).min())
+    omega = np.concatenate([omega, np.full(len(left), 2.0 * np.pi * loci.frequencies[-1])])
+    return float((np.mod(np.angle(there) + np.pi, 2.0 * np.pi) / omega).min(initial=math.inf))
