@@ -21,10 +21,11 @@ def test_shows_the_committed_study(capsys: pytest.CaptureFixture[str], tmp_path:
     picture = tmp_path / "s.png"
     assert main(["stability", "--show", "--plot", str(picture)]) == 0
     text = capsys.readouterr().out
-    for words in (study.attrs["speaker"], "/i/, c = 40 per m", "/a/, c = 112 per m", "17 ms", "border"):
+    for words in (study.attrs["speaker"], "/i/, c = 40 per m", "/a/, c = 112 per m", "nothing grows"):
         assert words in text
-    first = study.sel(posture="i", firing_gradient=40.0, velocity_gain=0.01, delay=0.017).isel(root=0)
-    assert f"{float(first['growth']):+.1f} @ {float(first['frequency']):.0f} {first['muscle'].item()}" in text
+    first = study.sel(posture="u", firing_gradient=40.0, velocity_gain=0.01, delay=0.017).isel(root=0)
+    found = f"{float(first['growth']):+.1f}"
+    assert f"{found} per s at {float(first['frequency']):.1f} Hz, with 17 ms and 10 ms, is driven by IL" in text
     assert picture.stat().st_size > 10_000
 
 

@@ -19,8 +19,8 @@ def print_stability(study: xr.Dataset) -> None:
     console = Console()
     print_title(console, study, "rightmost root of the delayed reflex loop")
     console.print(
-        "Growth in 1/s @ frequency in Hz, and the muscle that drives it; in brackets the motion of the fastest node, "
-        "mm, up to which it grows like that. Border: delay up to which no movement grows, ms",
+        "Growth in 1/s above frequency in Hz, by velocity gain (rows, ms) and delay (columns, ms); last: delay up to "
+        "which nothing grows",
         highlight=False,
     )
     for name in study["posture"].to_numpy().tolist():
@@ -31,26 +31,40 @@ def print_stability(study: xr.Dataset) -> None:
                 console.print(f"note: {one['reason'].item()}", style="dim", highlight=False)
                 continue
             _print_chart(console, one)
+            _print_own(console, one, study)
 
 
 def _print_chart(console: Console, one: xr.Dataset) -> None:
     delays = one["delay"].to_numpy().tolist()
-    shown = table_of("µ \\ delay", *(f"{MM * value:g} ms" for value in delays), "border")
+    shown = table_of("µ, ms", *(f"{MM * value:g}" for value in delays), "last")
     border = one["border_delay"].to_series()
     for gain in one["velocity_gain"].to_numpy().tolist():
         row = one.sel(velocity_gain=gain).isel(root=0)
         nearest = float(border.iloc[abs(border.index.to_numpy() - gain).argmin()])
         cells = [_cell(row.sel(delay=value)) for value in delays]
-        shown.add_row(f"{MM * gain:g} ms", *cells, "never" if math.isinf(nearest) else cell(MM * nearest, 1))
+        shown.add_row(f"{MM * gain:g}", *cells, "never" if math.isinf(nearest) else cell(MM * nearest, 1))
     console.print(shown, highlight=False)
+
+
+def _print_own(console: Console, one: xr.Dataset, study: xr.Dataset) -> None:
+    """What drives the root at the scene's own reflex, or near it, where it grows."""
+    wanted = {"delay": study.attrs["delay_s"], "velocity_gain": study.attrs["velocity_gain_s"]}
+    here = one.sel(wanted, method="nearest").isel(root=0)
+    own = {name: float(here[name]) for name in wanted}
+    if float(here["growth"]) > 0.0:
+        reflex = " and ".join(f"{MM * value:g} ms" for value in own.values())
+        console.print(
+            f"{float(here['growth']):+.1f} per s at {float(here['frequency']):.1f} Hz, with {reflex}, is driven by "
+            f"{here['muscle'].item()} up to a motion of {cell(MM * float(here['linear_range']), 3)} mm, where its first "
+            "fibre falls silent",
+            highlight=False,
+            soft_wrap=True,
+        )
 
 
 def _cell(root: xr.Dataset) -> str:
     growth = float(root["growth"])
-    if not math.isfinite(growth):
-        return "-"
-    words = f"{growth:+.1f} @ {float(root['frequency']):.0f} {root['muscle'].item()}"
-    return f"{words} ({cell(MM * float(root['linear_range']), 2)})" if growth > 0.0 else words
+    return f"{growth:+.1f}\n{float(root['frequency']):.0f}" if math.isfinite(growth) else "-"
 
 
 def stability_json(study: xr.Dataset) -> dict[str, Any]:
