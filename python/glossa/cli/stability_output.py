@@ -55,8 +55,8 @@ def _print_own(console: Console, one: xr.Dataset, study: xr.Dataset) -> None:
         reflex = " and ".join(f"{MM * value:g} ms" for value in own.values())
         console.print(
             f"{float(here['growth']):+.1f} per s at {float(here['frequency']):.1f} Hz, with {reflex}, is driven by "
-            f"{here['muscle'].item()} up to a motion of {cell(MM * float(here['linear_range']), 3)} mm, where its first "
-            "fibre falls silent",
+            f"{here['muscle'].item()} up to a motion of {cell(MM * float(here['linear_range']), 3)} mm, where its "
+            "first fibre falls silent",
             highlight=False,
             soft_wrap=True,
         )
