@@ -23,7 +23,6 @@ from glossa.studies.sensitivity_summary import compared_changes, sensitivity_sum
 from glossa.studies.single_muscle import single_muscle, single_muscle_command, single_muscles
 from glossa.studies.size import size_study
 from glossa.studies.spatial_errors import spatial_errors
-from glossa.studies.stability import StabilityGrid, stability
 from glossa.studies.stability import StabilityGrid, posture_roots, stability
 from glossa.studies.stability_schedules import movements_in_steps, random_ramps
 from glossa.studies.stability_trace import growth_in_steps
@@ -41,8 +40,8 @@ __all__ = [
     "Point",
     "Progress",
     "Replication",
-    "SymmetryCheck",
     "StabilityGrid",
+    "SymmetryCheck",
     "accuracy",
     "accuracy_study",
     "as_grid",
