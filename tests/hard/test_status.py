@@ -56,7 +56,7 @@ def test_iteration_limit(scene: Scene) -> None:
 def test_stalled() -> None:
     """No step is short enough to lower an energy of which the soft half is less than the rounding of the stiff one."""
     bar = layered_bar(["stiff"] * 4 + [""] * 4)
-    scene = Scene(bar, fixed=["left"], stiffening=Stiffening(gains={"stiff": 1e10}))
+    scene = Scene(bar, fixed=["left"], stiffening=Stiffening(gains={"stiff": 1e12}))
     refused(scene, "stalled", commands={"stiff": 0.5}, loads={"right": (0.0, 0.0, -0.005)})
 
 
