@@ -50,7 +50,7 @@ def test_homogeneous_deformation(name: str, element: str) -> None:
     # The nodal support forces are those of the uniform stress: sum of X (x) force = V P^T.
     P = first_piola(F, TISSUE)
     virial = speaker.nodes.T @ np.asarray(straight.support_forces)
-    assert virial.T / speaker.volume == pytest.approx(P, abs=1e-10 * np.abs(P).max())  # residual at 1e-11 of the force scale
+    assert virial.T / speaker.volume == pytest.approx(P, abs=1e-10 * np.abs(P).max())  # residual at 1e-11
     assert np.abs(P).max() > 300.0
 
 
