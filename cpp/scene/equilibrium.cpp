@@ -14,7 +14,7 @@ namespace {
 constexpr double rounding = 1e-14;
 // Residual over force scale while the multipliers of contact still change.
 constexpr double loose_tolerance = 1e-4;
-constexpr int undamped_updates = 5;  // of the friction bounds, before they are damped
+constexpr int undamped_updates = 5;  // of the friction bounds, before they are damped, the more the longer they cycle
 constexpr int cautious_tangents = 2;
 constexpr double friction_tolerance = 0.01;  // error of the friction bounds over the sum of pressures
 // Residuals over force scale below which friction bounds follow the pressures, and the curvature of walls is trusted.
@@ -106,7 +106,7 @@ class EquilibriumSolver {
       else {
         ++report_.contact_updates;
         contact->update(options_.gap_tolerance);
-        contact->update_bounds(update >= undamped_updates ? 0.5 : 1.0);
+        contact->update_bounds(update < undamped_updates ? 1.0 : std::min(0.5, 2.0 * undamped_updates / update));
         tolerance = std::max(options_.tolerance, loose_tolerance);
       }
       status = resume(tolerance);
