@@ -34,6 +34,8 @@ def test_where_no_root_grows_all_steps_come_to_rest(resting: xr.Dataset) -> None
     assert float(resting["growth"].item()) < 0.0
     assert bool(agreement(resting)["stable"].item())
     assert float(agreement(resting)["farthest"].item()) < 1e-6
+    assert float(agreement(resting)["apart"].item()) < 1e-6
+    assert float(resting["apart"].isel(ramp=0, step=0)) == 0.0
     assert float(resting["other_equilibrium"].item()) < 1e-8
     assert np.isnan(agreement(resting)["swing_change"].item())
 

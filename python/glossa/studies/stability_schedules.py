@@ -49,7 +49,7 @@ DURATIONS = (0.020, 0.100)
 
 _SAMPLE = 0.0005  # s, between samples of a cycle
 _PADDING = 16  # of the transform from which a frequency is read
-_MEASURES = {"distance": "m", "swing": "m", "frequency": "Hz", "seconds": "s"}
+_MEASURES = {"distance": "m", "apart": "m", "swing": "m", "frequency": "Hz", "seconds": "s"}
 _ROOT = {"growth": "1/s", "root_frequency": "Hz", "linear_range": "m", "residual": "1"}
 
 
@@ -108,7 +108,7 @@ def movements_in_steps(
 
     Returns:
         Over ``ramp`` and ``step`` (s): ``distance`` of the node farthest from its place in the equilibrium at the end,
-        m; ``swing``, largest range of a node in the last 0.25 s, m; ``frequency`` of that node there, Hz (the node of
+        m; ``apart``, the same from its place at the end of the movement in the shortest steps; ``swing``, largest range of a node in the last 0.25 s, m; ``frequency`` of that node there, Hz (the node of
         the shortest step counts; NaN below a nanometre); ``seconds`` of processor time; ``reason``. Over ``ramp``:
         ``growth`` (1/s) and ``root_frequency`` (Hz) of the rightmost root, its ``muscle`` and ``linear_range`` (m);
         ``other_equilibrium``: how far the equilibrium found from rest is from the one the movement comes to, m;
@@ -158,7 +158,8 @@ def agreement(study: xr.Dataset) -> xr.Dataset:
         study: of :func:`movements_in_steps`.
 
     Returns:
-        ``stable``: no root grows. ``farthest``: where stable, largest distance from the equilibrium over the steps, m.
+        ``stable``: no root grows. ``farthest`` and ``apart``: where stable, largest distance from the equilibrium, and
+        from the end in the shortest steps, over the steps, m.
         ``swing_change`` and ``frequency_change``: where unstable, relative change from the shortest step to the next.
     """
     stable = study["growth"] < 0.0
@@ -168,6 +169,7 @@ def agreement(study: xr.Dataset) -> xr.Dataset:
         {
             "stable": stable,
             "farthest": study["distance"].max("step", skipna=False).where(stable),
+            "apart": study["apart"].max("step", skipna=False).where(stable),
             "swing_change": (abs(second["swing"] / first["swing"] - 1.0)).where(unstable),
             "frequency_change": (abs(second["frequency"] / first["frequency"] - 1.0)).where(unstable),
         }
@@ -186,17 +188,18 @@ def _row(scene: Scene, ramp: RandomRamp, steps: Sequence[float], until: float, i
             movements.append(None)
             reasons.append(reason_of(error))
         seconds.append(time.process_time() - begin)
-    rest, root, trouble = _equilibrium(scene, ramp, next((one for one in movements if one is not None), None))
-    node = next((_swinging(one) for one in movements if one is not None), 0)
+    shortest = next((one for one in movements if one is not None), None)
+    rest, root, trouble = _equilibrium(scene, ramp, shortest)
+    node = 0 if shortest is None else _swinging(shortest)
     measured = {name: np.full(len(steps), math.nan) for name in _MEASURES}
     measured["seconds"][:] = seconds
     for k, movement in enumerate(movements):
-        if movement is None:
+        if movement is None or shortest is None:
             continue
+        measured["apart"][k] = _farthest(movement.positions[-1], shortest.positions[-1])
         measured["swing"][k], measured["frequency"][k] = cycle(movement, node)
         if rest is not None:
-            away = movement.positions[-1] - rest.positions
-            measured["distance"][k] = float(np.linalg.norm(away, axis=1).max())
+            measured["distance"][k] = _farthest(movement.positions[-1], rest.positions)
     return xr.Dataset(
         {name: (("step",), array, {"units": _MEASURES[name]}) for name, array in measured.items()}
         | {name: ((), root[name], {"units": unit}) for name, unit in _ROOT.items()}
@@ -209,6 +212,11 @@ def _row(scene: Scene, ramp: RandomRamp, steps: Sequence[float], until: float, i
             "duration": ((), ramp.duration, {"units": "s"}),
         }
     )
+
+
+def _farthest(places: FloatArray, others: FloatArray) -> float:
+    """Largest distance of a node from its other place, m."""
+    return float(np.linalg.norm(places - others, axis=1).max())
 
 
 def _equilibrium(
@@ -230,7 +238,7 @@ def _equilibrium(
         muscle = str(first["muscle"])
     try:
         other = scene.equilibrate(ramp.target)
-        root["other_equilibrium"] = float(np.linalg.norm(other.positions - posture.positions, axis=1).max())
+        root["other_equilibrium"] = _farthest(other.positions, posture.positions)
     except SolveError:
         pass
     return posture, root, ("", muscle)
