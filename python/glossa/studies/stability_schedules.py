@@ -108,8 +108,9 @@ def movements_in_steps(
 
     Returns:
         Over ``ramp`` and ``step`` (s): ``distance`` of the node farthest from its place in the equilibrium at the end,
-        m; ``apart``, the same from its place at the end of the movement in the shortest steps; ``swing``, largest range of a node in the last 0.25 s, m; ``frequency`` of that node there, Hz (the node of
-        the shortest step counts; NaN below a nanometre); ``seconds`` of processor time; ``reason``. Over ``ramp``:
+        m; ``apart``, the same from its place at the end of the movement in the shortest steps; ``swing``, largest range
+        of a node in the last 0.25 s, m; ``frequency`` of that node there, Hz (the node of the shortest step counts; NaN
+        below a nanometre); ``seconds`` of processor time; ``reason``. Over ``ramp``:
         ``growth`` (1/s) and ``root_frequency`` (Hz) of the rightmost root, its ``muscle`` and ``linear_range`` (m);
         ``other_equilibrium``: how far the equilibrium found from rest is from the one the movement comes to, m;
         ``vowel``, ``duration`` (s), ``equilibrium_reason``. NaN where something failed.
