@@ -128,7 +128,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 
 
 def test_a_killed_writer_holds_nobody_up_and_a_living_one_does(tmp_path: Path) -> None:
-    scene, points = small_scene((8, 4, 4)), commands(200)
+    scene, points = small_scene((8, 4, 4)), commands(2000)
     store = tmp_path / "s.study"
     process = in_background(scene, points, store)
     try:
