@@ -5,12 +5,13 @@
 
 namespace glossa {
 
-/// Calls body(begin, end) for `threads` contiguous ranges of [0, count). The body must write only to places that
-/// belong to its range, so that the result has the same bits for every number of threads.
+/// Calls body(begin, end) for `threads` contiguous ranges of [0, count), or once where that leaves fewer than `least`
+/// items to each: too little work for a thread. The body must write only to places that belong to its range, so that
+/// the result has the same bits for every number of threads.
 template <class Body>
-void parallel_ranges(int count, int threads, Body&& body) {
+void parallel_ranges(int count, int threads, Body&& body, int least = 64) {
   const int parts = threads < 1 ? 1 : threads;
-  if (parts == 1 || count < 64 * parts) {
+  if (parts == 1 || count < least * parts) {
     body(0, count);
     return;
   }

@@ -23,10 +23,14 @@ void fill_lane(const HexMesh& mesh, std::size_t element, RestBatch& batch, std::
   for (std::size_t q = 0; q < hex::points; ++q) {
     const hex::CornerGradients natural = hex::shape_gradient(hex::gauss_point(q));
     const Matrix3 jacobian = rest_jacobian(mesh, corners, natural);
-    const hex::CornerGradients gradient = jacobian.inverse().transpose() * natural;
+    const Matrix3 inverse = jacobian.inverse();
+    const hex::CornerGradients gradient = inverse.transpose() * natural;
     for (std::size_t a = 0; a < hex::corners; ++a)
       for (std::size_t i = 0; i < 3; ++i)
         batch.gradient[q][a][i][lane] = gradient(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a));
+    const Matrix3 metric = inverse * inverse.transpose();
+    constexpr int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+    for (std::size_t m = 0; m < 6; ++m) batch.metric[q][m][lane] = metric(row[m], column[m]);
     batch.weight[q][lane] = jacobian.determinant();
     batch.volume[lane] += batch.weight[q][lane];
   }
@@ -69,6 +73,8 @@ Elasticity::Elasticity(const HexMesh& mesh, std::shared_ptr<const RestBatches> b
   force_.resize(padded * element_force_size);
   for (auto* field : {&dilatation_, &isochoric_energy_, &volumetric_energy_, &least_jacobian_}) field->resize(padded);
   no_offset_.assign(padded, 0.0);
+  positions_.assign(4 * static_cast<std::size_t>(mesh.node_count()), 0.0);
+  velocities_ = positions_;
   source_start_.assign(static_cast<std::size_t>(mesh.node_count()) + 1, 0);
   for (const Hexahedron& element : mesh.hexahedra())
     for (const Index node : element) ++source_start_[static_cast<std::size_t>(node) + 1];
@@ -81,18 +87,25 @@ Elasticity::Elasticity(const HexMesh& mesh, std::shared_ptr<const RestBatches> b
           static_cast<Index>(8 * e + a);
 }
 
-ElasticSweep Elasticity::sweep(const Trial& trial, bool with_tangent) {
+void Elasticity::spread(const NodeField& field, std::vector<double>& four) const {
+  for (std::size_t n = 0, count = field.size() / 3; n < count; ++n)
+    for (std::size_t i = 0; i < 3; ++i) four[4 * n + i] = field[3 * n + i];
+}
+
+ElasticSweep Elasticity::sweep(const Trial& trial) {
   ElasticSweep sweep;
+  spread(trial.positions, positions_);
   sweep.batches = batches_->data();
   sweep.law = law_;
   sweep.mean_dilatation = kind_ == ElementKind::q1p0;
-  sweep.positions = trial.positions.data();
+  sweep.positions = positions_.data();
   sweep.isochoric_scale = trial.isochoric_scale.data();
   sweep.volumetric_scale = trial.elastic_share;
   sweep.pressure = trial.pressure.data();
   sweep.pressure_offset = trial.pressure_offset.empty() ? no_offset_.data() : trial.pressure_offset.data();
   if (trial.viscosity > 0.0) {
-    sweep.velocities = trial.velocities.data();
+    spread(trial.velocities, velocities_);
+    sweep.velocities = velocities_.data();
     sweep.viscosity = trial.viscosity;
     sweep.viscous_share = trial.viscosity * trial.velocity_share;
     if (!sweep.mean_dilatation) sweep.volumetric_scale = 1.0;
@@ -102,24 +115,18 @@ ElasticSweep Elasticity::sweep(const Trial& trial, bool with_tangent) {
   sweep.isochoric_energy = isochoric_energy_.data();
   sweep.volumetric_energy = volumetric_energy_.data();
   sweep.least_jacobian = least_jacobian_.data();
-  if (with_tangent) {
-    tangent_.resize(padded_count() * element_tangent_size);
-    volume_gradient_.resize(padded_count() * element_force_size);
-    sweep.tangent = tangent_.data();
-    sweep.volume_gradient = volume_gradient_.data();
-  }
   return sweep;
 }
 
 void Elasticity::add_force(const Trial& trial, NodeField& force) {
-  const ElasticSweep job = sweep(trial, false);
-  parallel_ranges(static_cast<int>(batches_->size()), threads_,
-                  [&](int begin, int end) { sweep_elements(job, begin, end); });
+  const ElasticSweep job = sweep(trial);
+  parallel_ranges(
+      static_cast<int>(batches_->size()), threads_, [&](int begin, int end) { sweep_forces(job, begin, end); }, 8);
   parallel_ranges(mesh_.node_count(), threads_, [&](int begin, int end) {
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
       double sum[3] = {0.0, 0.0, 0.0};
       for (Index s = source_start_[n]; s < source_start_[n + 1]; ++s) {
-        const double* from = force_.data() + 3 * static_cast<std::size_t>(source_[static_cast<std::size_t>(s)]);
+        const double* from = force_.data() + 4 * static_cast<std::size_t>(source_[static_cast<std::size_t>(s)]);
         for (int i = 0; i < 3; ++i) sum[i] += from[i];
       }
       for (std::size_t i = 0; i < 3; ++i) force[3 * n + i] += sum[i];
@@ -128,9 +135,13 @@ void Elasticity::add_force(const Trial& trial, NodeField& force) {
 }
 
 void Elasticity::add_tangent(const Trial& trial, BlockMatrix& matrix) {
-  const ElasticSweep job = sweep(trial, true);
-  parallel_ranges(static_cast<int>(batches_->size()), threads_,
-                  [&](int begin, int end) { sweep_elements(job, begin, end); });
+  ElasticSweep job = sweep(trial);
+  tangent_.resize(padded_count() * element_tangent_size);
+  volume_gradient_.resize(padded_count() * volume_gradient_size);
+  job.tangent = tangent_.data();
+  job.volume_gradient = volume_gradient_.data();
+  parallel_ranges(
+      static_cast<int>(batches_->size()), threads_, [&](int begin, int end) { sweep_tangents(job, begin, end); }, 8);
   matrix.gather(tangent_, mass_scale_, threads_);
 }
 
@@ -157,7 +168,7 @@ void Elasticity::multiply(const NodeField& x, NodeField& product) const {
 
 void Elasticity::predict_pressure(const NodeField& dx, double step, std::vector<double>& pressure) const {
   for (std::size_t e = 0; e < mesh_.hexahedra().size(); ++e) {
-    const double* b = volume_gradient_.data() + e * element_force_size;
+    const double* b = volume_gradient_.data() + e * volume_gradient_size;
     double change = 0.0;
     for (std::size_t a = 0; a < hex::corners; ++a)
       for (std::size_t i = 0; i < 3; ++i)

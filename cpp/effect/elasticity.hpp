@@ -53,7 +53,8 @@ class Elasticity final : public Effect {
   [[nodiscard]] const std::vector<double>& volumetric_energy() const { return volumetric_energy_; }
 
  private:
-  ElasticSweep sweep(const Trial& trial, bool with_tangent);
+  ElasticSweep sweep(const Trial& trial);
+  void spread(const NodeField& field, std::vector<double>& four) const;
 
   const HexMesh& mesh_;
   std::shared_ptr<const RestBatches> batches_;
@@ -61,9 +62,10 @@ class Elasticity final : public Effect {
   ElementKind kind_;
   int threads_;
   double mass_scale_ = 0.0;
-  std::vector<Index> source_start_;  // per node: its corners in elements
-  std::vector<Index> source_;        // 8 e + a
-  std::vector<double> no_offset_;    // zeros
+  std::vector<Index> source_start_;             // per node: its corners in elements
+  std::vector<Index> source_;                   // 8 e + a
+  std::vector<double> no_offset_;               // zeros
+  std::vector<double> positions_, velocities_;  // of the last sweep, four doubles for each node
   std::vector<double> force_, tangent_, volume_gradient_, dilatation_, isochoric_energy_, volumetric_energy_,
       least_jacobian_;
 };

@@ -26,15 +26,17 @@
 
 namespace glossa {
 
-/// Rest data of four hexahedra: reference gradients and integration weights.
+/// Rest data of four hexahedra. Forces need the first four, tangents all but the metric.
 struct alignas(32) RestBatch {
-  double gradient[8][8][3][lanes];  ///< [Gauss point][corner][direction][lane], 1/m
+  double metric[8][6][lanes];       ///< [Gauss point]: (dX/dxi)^(-1) (dX/dxi)^(-T), 00 11 22 01 02 12, 1/m2
   double weight[8][lanes];          ///< m3
   double volume[lanes];             ///< m3
   Index corner[8][lanes];           ///< node of each corner
+  double gradient[8][8][3][lanes];  ///< [Gauss point][corner][direction][lane], 1/m
 };
 
-inline constexpr std::size_t element_force_size = 24;     ///< 8 corners x 3
+inline constexpr std::size_t element_force_size = 32;     ///< 8 corners x 4, the fourth zero
+inline constexpr std::size_t volume_gradient_size = 24;   ///< 8 corners x 3
 inline constexpr std::size_t element_tangent_size = 324;  ///< 36 corner pairs (a <= b) x 3 x 3, row-major blocks
 
 /// What one sweep over the elements reads and writes. Per-element arrays are padded to whole batches.
@@ -42,32 +44,37 @@ struct ElasticSweep {
   const RestBatch* batches = nullptr;
   Yeoh law{};
   bool mean_dilatation = true;
-  const double* positions = nullptr;        ///< current node positions, m
+  const double* positions = nullptr;        ///< current node positions, four doubles each, m
   const double* isochoric_scale = nullptr;  ///< per element: s of eq. 1 times the scale of the stage
   double volumetric_scale = 1.0;            ///< scale of the volumetric part
   const double* pressure = nullptr;         ///< per element: p of the geometric term (tangent only), Pa
   const double* pressure_offset = nullptr;  ///< per element, Pa, added to the scaled pressure (mean dilatation only)
-  const double* velocities = nullptr;       ///< of the nodes, m/s; null without viscosity
+  const double* velocities = nullptr;       ///< of the nodes, four doubles each, m/s; null without viscosity
   double viscosity = 0.0;                   ///< beta, s
   double viscous_share = 0.0;               ///< beta times d velocity / d position (tangent only)
 
-  double* force = nullptr;              ///< out, element_force_size per element, N
-  double* tangent = nullptr;            ///< out or null, element_tangent_size per element, N/m
-  double* volume_gradient = nullptr;    ///< out with the tangent: b = dv/dx, element_force_size per element, m2
-  double* dilatation = nullptr;         ///< out: theta per element
-  double* isochoric_energy = nullptr;   ///< out: Sum_g w Wiso at s = 1 per element, J
-  double* volumetric_energy = nullptr;  ///< out, J
-  double* least_jacobian = nullptr;     ///< out: smallest J over the Gauss points per element
+  // Out, by sweep_forces.
+  double* force = nullptr;              ///< element_force_size per element, N
+  double* dilatation = nullptr;         ///< theta per element
+  double* isochoric_energy = nullptr;   ///< Sum_g w Wiso at s = 1 per element, J
+  double* volumetric_energy = nullptr;  ///< J
+  double* least_jacobian = nullptr;     ///< smallest J over the Gauss points per element
+  // Out, by sweep_tangents.
+  double* tangent = nullptr;          ///< element_tangent_size per element, N/m
+  double* volume_gradient = nullptr;  ///< b = dv/dx, volume_gradient_size per element, m2
 };
 
-/// Sweeps the batches [begin, end). The widest instruction set of this processor is chosen at run time.
-void sweep_elements(const ElasticSweep& sweep, int begin, int end);
+/// Sweep the batches [begin, end). The widest instruction set of this processor is chosen at run time.
+void sweep_forces(const ElasticSweep& sweep, int begin, int end);
+void sweep_tangents(const ElasticSweep& sweep, int begin, int end);
 
 namespace baseline {
-void sweep_elements(const ElasticSweep& sweep, int begin, int end);
-}
+void sweep_forces(const ElasticSweep& sweep, int begin, int end);
+void sweep_tangents(const ElasticSweep& sweep, int begin, int end);
+}  // namespace baseline
 namespace avx2 {
-void sweep_elements(const ElasticSweep& sweep, int begin, int end);
-}
+void sweep_forces(const ElasticSweep& sweep, int begin, int end);
+void sweep_tangents(const ElasticSweep& sweep, int begin, int end);
+}  // namespace avx2
 
 }  // namespace glossa

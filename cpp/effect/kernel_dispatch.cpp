@@ -3,11 +3,18 @@
 
 namespace glossa {
 
-void sweep_elements(const ElasticSweep& sweep, int begin, int end) {
+void sweep_forces(const ElasticSweep& sweep, int begin, int end) {
 #ifdef GLOSSA_HAS_AVX2_KERNEL
-  if (has_avx2()) return avx2::sweep_elements(sweep, begin, end);
+  if (has_avx2()) return avx2::sweep_forces(sweep, begin, end);
 #endif
-  baseline::sweep_elements(sweep, begin, end);
+  baseline::sweep_forces(sweep, begin, end);
+}
+
+void sweep_tangents(const ElasticSweep& sweep, int begin, int end) {
+#ifdef GLOSSA_HAS_AVX2_KERNEL
+  if (has_avx2()) return avx2::sweep_tangents(sweep, begin, end);
+#endif
+  baseline::sweep_tangents(sweep, begin, end);
 }
 
 }  // namespace glossa

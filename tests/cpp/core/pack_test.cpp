@@ -31,4 +31,25 @@ TEST_CASE("pack: inverse cube root is exact to rounding at cubes") {
   }
 }
 
+TEST_CASE("pack: rows become columns, and corners are gathered from four doubles each") {
+  Pack row[4];
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) row[i][j] = 10 * i + j;
+  transpose(row[0], row[1], row[2], row[3]);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) CHECK(row[i][j] == 10 * j + i);
+
+  std::vector<double> field;
+  for (int node = 0; node < 40; ++node)
+    for (int i = 0; i < 4; ++i) field.push_back(10 * node + i);
+  Index corner[8][lanes];
+  for (int n = 0; n < 8; ++n)
+    for (int lane = 0; lane < lanes; ++lane) corner[n][lane] = (7 * n + 11 * lane) % 40;
+  Pack x[8][3];
+  gather(field.data(), corner, x);
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i)
+      for (int lane = 0; lane < lanes; ++lane) CHECK(x[n][i][lane] == 10 * corner[n][lane] + i);
+}
+
 }  // namespace glossa::test

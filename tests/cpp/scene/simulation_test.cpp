@@ -50,8 +50,8 @@ TEST_CASE("simulation: a free body falls with v = g t and u = g t^2 / 2") {
       position = std::max(
           position, (at(simulation.state().positions, n) - at(mesh.nodes(), n) - 0.00125 * *options.gravity).norm());
     }
-    // Tolerance of the stages.
-    CHECK_WITHIN(velocity / 0.4905, 5e-11);
+    // Tolerance of the stages, 1e-12 N (1 + beta / h), over shear stiffnesses of 100 N/m: 2e-13 m, in 0.6 ms.
+    CHECK_WITHIN(velocity / 0.4905, 2e-10);
     CHECK_WITHIN(position / 0.0122625, 5e-11);
   }
 }
