@@ -190,6 +190,12 @@ double DistanceField::value(const Vector3& x, Vector3& gradient) const {
   return beyond(x, band_);
 }
 
+double DistanceField::value(const Vector3& x, Vector3& gradient, SplineCell& cell) const {
+  if (spline_.covers(x)) return spline_.value(x, gradient, cell);
+  gradient.setZero();
+  return beyond(x, band_);
+}
+
 double DistanceField::value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const {
   if (spline_.covers(x)) return spline_.value(x, gradient, hessian);
   gradient.setZero();

@@ -59,6 +59,8 @@ class DistanceField {
   [[nodiscard]] double distance(const Vector3& x) const;
   double value(const Vector3& x, Vector3& gradient) const;
   double value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const;  ///< Hessian in 1/m
+  /// Value and gradient with a cell that this field alone has filled (spline_grid.hpp).
+  double value(const Vector3& x, Vector3& gradient, SplineCell& cell) const;
 
   [[nodiscard]] double spacing() const { return spline_.lattice().spacing; }
   [[nodiscard]] double band() const { return band_; }

@@ -83,13 +83,13 @@ bool SplineGrid::covers(const Vector3& x) const {
   return inside;
 }
 
-const double* SplineGrid::gather(const std::array<int, 3>& cell, std::array<double, 64>& out) const {
+void SplineGrid::gather(SplineCell& cell) const {
   constexpr int edge = LatticeBricks::edge;
   // The blocks that hold the coefficients: one or two along each axis, from the one of the first coefficient.
   std::array<int, 3> brick, first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    brick[axis] = (cell[axis] - 1) / edge;
-    first[axis] = (cell[axis] - 1) % edge;
+    brick[axis] = (cell.cell[axis] - 1) / edge;
+    first[axis] = (cell.cell[axis] - 1) % edge;
   }
   std::array<const double*, 8> blocks;
   bool same = true;
@@ -101,26 +101,31 @@ const double* SplineGrid::gather(const std::array<int, 3>& cell, std::array<doub
     blocks[place_in_list] = coefficients_.block(block);
     same = same && block < coefficients_.shared && blocks[place_in_list] == blocks[0];
   }
-  if (same) return blocks[0];
-  double* c = out.data();
+  cell.uniform = same;
+  cell.coefficients[0] = *blocks[0];
+  if (same) return;
+  double* c = cell.coefficients.data();
   for (int i = first[0]; i < first[0] + 4; ++i)
     for (int j = first[1]; j < first[1] + 4; ++j) {
       const double* const* pair = blocks.data() + 4 * (i / edge) + 2 * (j / edge);
       const int row = edge * (edge * (i % edge) + j % edge);
       for (int k = first[2]; k < first[2] + 4; ++k) *c++ = pair[k / edge][row + k % edge];
     }
-  return nullptr;
 }
 
 template <int derivatives>
-double SplineGrid::evaluate(const Vector3& x, Vector3* gradient, Matrix3* hessian) const {
+double SplineGrid::evaluate(const Vector3& x, SplineCell& kept, Vector3* gradient, Matrix3* hessian) const {
   const Vector3 t = (x - lattice().origin) * per_spacing_;
   const std::array<int, 3> cell{static_cast<int>(t.x()), static_cast<int>(t.y()), static_cast<int>(t.z())};
-  std::array<double, 64> c;
-  if (const double* uniform = gather(cell, c)) {
+  if (cell != kept.cell) {
+    kept.cell = cell;
+    gather(kept);
+  }
+  const std::array<double, 64>& c = kept.coefficients;
+  if (kept.uniform) {
     if constexpr (derivatives > 0) gradient->setZero();
     if constexpr (derivatives > 1) hessian->setZero();
-    return *uniform;
+    return c[0];
   }
   const Weights<derivatives> wx(t.x() - cell[0]), wy(t.y() - cell[1]), wz(t.z() - cell[2]);
   // Sums named by the derivatives they carry: f, and z, y, x for one of each.
@@ -169,13 +174,19 @@ double SplineGrid::evaluate(const Vector3& x, Vector3* gradient, Matrix3* hessia
 }
 
 double SplineGrid::value(const Vector3& x) const {
-  return evaluate<0>(x, nullptr, nullptr);
+  SplineCell cell;
+  return evaluate<0>(x, cell, nullptr, nullptr);
 }
 double SplineGrid::value(const Vector3& x, Vector3& gradient) const {
-  return evaluate<1>(x, &gradient, nullptr);
+  SplineCell cell;
+  return evaluate<1>(x, cell, &gradient, nullptr);
 }
 double SplineGrid::value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const {
-  return evaluate<2>(x, &gradient, &hessian);
+  SplineCell cell;
+  return evaluate<2>(x, cell, &gradient, &hessian);
+}
+double SplineGrid::value(const Vector3& x, Vector3& gradient, SplineCell& cell) const {
+  return evaluate<1>(x, cell, &gradient, nullptr);
 }
 
 }  // namespace glossa

@@ -10,6 +10,13 @@
 
 namespace glossa {
 
+/// The coefficients around a point that moves little: while it stays in its cell, a value costs no search for them.
+struct SplineCell {
+  std::array<int, 3> cell{-1, -1, -1};
+  bool uniform = false;
+  std::array<double, 64> coefficients;  ///< only the first where they are all one number
+};
+
 class SplineGrid {
  public:
   SplineGrid() = default;
@@ -24,14 +31,15 @@ class SplineGrid {
   [[nodiscard]] double value(const Vector3& x) const;
   double value(const Vector3& x, Vector3& gradient) const;
   double value(const Vector3& x, Vector3& gradient, Matrix3& hessian) const;
+  /// The same with a cell that this grid alone has filled.
+  double value(const Vector3& x, Vector3& gradient, SplineCell& cell) const;
 
   [[nodiscard]] const Lattice& lattice() const { return bricks_.lattice(); }
 
  private:
-  /// The 64 coefficients of a cell; or, where they are all one number, only that.
-  const double* gather(const std::array<int, 3>& cell, std::array<double, 64>& out) const;
+  void gather(SplineCell& cell) const;
   template <int derivatives>
-  double evaluate(const Vector3& x, Vector3* gradient, Matrix3* hessian) const;
+  double evaluate(const Vector3& x, SplineCell& cell, Vector3* gradient, Matrix3* hessian) const;
 
   LatticeBricks bricks_;
   double per_spacing_ = 0.0;

@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/parallel.hpp"
+
 namespace glossa {
 namespace {
 
@@ -13,11 +15,17 @@ constexpr double lipschitz = 1.4;       // a smoothed distance may grow a little
 constexpr double survey_again = 4e-4;   // m, move after which clearances are measured afresh
 constexpr double known_depth = 0.95;    // of the band of a distance field
 constexpr double least_advance = 1e-9;  // m, less is rounding
+constexpr int points_for_a_thread = 32;
 
 }  // namespace
 
-WallContact::WallContact(const ContactPoints& points, const Walls& walls, const ContactLaw& law)
-    : points_(points), walls_(walls), law_(law), shift_(walls.size(), Vector3::Zero()) {
+WallContact::WallContact(const ContactPoints& points, const Walls& walls, const ContactLaw& law, int threads)
+    : points_(points),
+      walls_(walls),
+      law_(law),
+      threads_(threads),
+      shift_(walls.size(), Vector3::Zero()),
+      cells_(static_cast<std::size_t>(points.count())) {
   std::map<std::vector<Index>, Index> known;
   for (Index k = 0; k < points.count(); ++k) {
     std::vector<Index> nodes;
@@ -87,11 +95,13 @@ double WallContact::farthest_move(const NodeField& positions) const {
 void WallContact::survey(const NodeField& positions) {
   surveyed_at_ = positions;
   clearance_.resize(static_cast<std::size_t>(points_.count()));
-  for (Index k = 0; k < points_.count(); ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const auto wall = static_cast<std::size_t>(points_.wall[i]);
-    clearance_[i] = walls_[wall]->distance(points_.position(k, positions) - shift_[wall]) + points_.offset[i];
-  }
+  const auto look = [&](int begin, int end) {
+    for (Index k = begin; k < end; ++k) {
+      const auto i = static_cast<std::size_t>(k), wall = static_cast<std::size_t>(points_.wall[i]);
+      clearance_[i] = walls_[wall]->distance(points_.position(k, positions) - shift_[wall]) + points_.offset[i];
+    }
+  };
+  parallel_ranges(points_.count(), threads_, look, points_for_a_thread);
 }
 
 void WallContact::add_force(const Trial& trial, NodeField& force) {
@@ -108,18 +118,20 @@ void WallContact::add_force(const Trial& trial, NodeField& force) {
     survey(trial.positions);
     moved = 0.0;
   }
+  near_.clear();
   for (Index k = 0; k < points_.count(); ++k) {
     const auto i = static_cast<std::size_t>(k);
+    const bool bound = !state_.pressure.empty() && state_.pressure[i] != 0.0;
+    if (bound || state_.advance[i] != 0.0 || clearance_[i] <= reach_[i] * moved) near_.push_back({.point = k});
+  }
+  measure(trial.positions);
+  for (Active& point : near_) {
+    const auto i = static_cast<std::size_t>(point.point);
+    const auto wall = static_cast<std::size_t>(points_.wall[i]);
     const double advance = state_.advance[i];
     double bound = state_.pressure.empty() ? 0.0 : law_.friction * state_.pressure[i];
-    if (bound == 0.0 && advance == 0.0 && clearance_[i] > reach_[i] * moved) continue;
-    Active point;
-    point.point = k;
-    point.position = points_.position(k, trial.positions);
-    const auto wall = static_cast<std::size_t>(points_.wall[i]);
-    const double distance = walls_[wall]->value(point.position - shift_[wall], point.gradient);
-    lost_ = lost_ || distance < -known_depth * walls_[wall]->band();
-    point.gap = distance + points_.offset[i];
+    lost_ = lost_ || point.gap < -known_depth * walls_[wall]->band();
+    point.gap += points_.offset[i];
     point.depth = advance - point.gap;
     point.pressure = law_.pressure(point.depth);
     if (follow_bounds_ && law_.friction > 0.0) {
@@ -135,10 +147,22 @@ void WallContact::add_force(const Trial& trial, NodeField& force) {
       push += ContactLaw::bounded(point.trial, point.bound);
     }
     push *= points_.area[i];
-    for (const PointWeight* w = points_.weights.begin(k); w != points_.weights.end(k); ++w)
+    for (const PointWeight* w = points_.weights.begin(point.point); w != points_.weights.end(point.point); ++w)
       Eigen::Map<Vector3>(force.data() + 3 * w->node) += w->diagonal().cwiseProduct(push);
     active_.push_back(point);
   }
+}
+
+void WallContact::measure(const NodeField& positions) {
+  const auto look = [&](int begin, int end) {
+    for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      Active& point = near_[n];
+      const auto i = static_cast<std::size_t>(point.point), wall = static_cast<std::size_t>(points_.wall[i]);
+      point.position = points_.position(point.point, positions);
+      point.gap = walls_[wall]->value(point.position - shift_[wall], point.gradient, cells_[i]);
+    }
+  };
+  parallel_ranges(static_cast<int>(near_.size()), threads_, look, points_for_a_thread);
 }
 
 Matrix3 WallContact::stiffness(const Active& active) const {

@@ -27,7 +27,7 @@ class WallContact final : public Effect {
  public:
   using Walls = std::vector<std::shared_ptr<const DistanceField>>;
 
-  WallContact(const ContactPoints& points, const Walls& walls, const ContactLaw& law);
+  WallContact(const ContactPoints& points, const Walls& walls, const ContactLaw& law, int threads = 1);
 
   [[nodiscard]] const char* name() const override { return "contact"; }
   /// Groups of nodes that contact points couple, for the layout of the matrix; each group once.
@@ -80,16 +80,17 @@ class WallContact final : public Effect {
 
  private:
   struct Active {
-    Index point;
-    double gap;
-    double depth;  // m, that the law sees
-    double pressure;
-    Vector3 position;
-    Vector3 gradient;
-    Vector3 trial;  // drag before the bound
-    double bound;
+    Index point = 0;
+    double gap = 0.0;
+    double depth = 0.0;  // m, that the law sees
+    double pressure = 0.0;
+    Vector3 position = Vector3::Zero();
+    Vector3 gradient = Vector3::Zero();
+    Vector3 trial = Vector3::Zero();  // drag before the bound
+    double bound = 0.0;
   };
   void survey(const NodeField& positions);
+  void measure(const NodeField& positions);
   void bind_friction(std::size_t k, double pressure, const Vector3& gradient);
   [[nodiscard]] double farthest_move(const NodeField& positions) const;
   [[nodiscard]] Matrix3 tangential(std::size_t k) const {
@@ -100,6 +101,7 @@ class WallContact final : public Effect {
   const ContactPoints& points_;
   const Walls& walls_;
   ContactLaw law_;
+  int threads_;
   ContactState state_;
   std::vector<Vector3> shift_;
   Rows<Index> groups_;
@@ -110,7 +112,9 @@ class WallContact final : public Effect {
   std::vector<Index> nodes_;       // that carry contact points
   NodeField surveyed_at_;          // positions at which clearance_ was measured; empty: never
   std::vector<double> clearance_;  // m, gap of each point there
-  std::vector<Active> active_;
+  std::vector<SplineCell> cells_;  // of the walls' distances, of each point
+  std::vector<Active> near_;       // points that may touch at the last add_force
+  std::vector<Active> active_;     // those that do
   bool drop_negative_ = false;
   bool follow_bounds_ = false;
   bool lost_ = false;

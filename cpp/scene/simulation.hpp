@@ -132,6 +132,7 @@ class Simulation {
   Report report_;
   Anderson anderson_;
   NodeField force_;
+  Trial previous_;  // before the last quasi-Newton step
   double residual_ = 0.0;
   double scale_ = 0.0;
   std::shared_ptr<const FactorPoint> factor_;  // in use; null: none

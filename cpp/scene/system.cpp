@@ -48,7 +48,7 @@ FreeMask with_ties(FreeMask free, const std::optional<Bone>& bone) {
 std::unique_ptr<WallContact> contact_of(const Scene& scene) {
   const auto& contact = scene.options().contact;
   if (!contact || contact->points.count() == 0) return nullptr;
-  return std::make_unique<WallContact>(contact->points, contact->walls, scene.contact_law());
+  return std::make_unique<WallContact>(contact->points, contact->walls, scene.contact_law(), scene.options().threads);
 }
 
 const std::vector<PointMass>& masses_of(const std::optional<Bone>& bone) {

@@ -8,6 +8,7 @@ namespace glossa {
 namespace {
 
 constexpr int quasi_newton_limit = 24;
+constexpr int slow_after = 16;  // iterations, with a factor of another state
 constexpr int newton_limit = 20;
 constexpr int worth_renewing = 9;  // iterations of a stage after which the factor is renewed
 constexpr int longest_search = 8;
@@ -257,8 +258,7 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
       system_.precondition(F);
     const Vector increment = newton ? F : anderson_.increment(system_.restrict_free(trial.positions), F, G);
     const bool hopeless = !(increment.cwiseAbs().maxCoeff() < largest_increment_);
-    Trial previous;
-    if (!fresh) previous = trial;
+    if (!fresh) previous_ = trial;
     if (!hopeless && newton)
       search(stage, trial, increment, G.dot(increment));
     else if (!hopeless) {
@@ -266,12 +266,12 @@ bool Simulation::iterate(const Stage& stage, Trial& trial, bool newton) {
       evaluate(stage, trial);
     }
     const bool failed = hopeless || !valid() || residual_ > 20.0 * best;
-    const bool slow = !newton && k == quasi_newton_limit / 2;
+    const bool slow = !newton && k == slow_after;
     if ((failed || slow) && fresh) {
       if (failed) return false;
     } else if (failed || slow) {
       if (failed) {
-        trial = std::move(previous);
+        trial = previous_;
         evaluate(stage, trial);
       }
       if (!renew_factor(stage, trial)) return false;

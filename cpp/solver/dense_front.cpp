@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/parallel.hpp"
+
 extern "C" {
 void spotrf_(const char*, const int*, float*, const int*, int*);
 void strsm_(const char*, const char*, const char*, const char*, const int*, const int*, const float*, const float*,
@@ -27,18 +29,7 @@ Block below(Block b, Index rows) {
 // Runs both, on two threads if there are two.
 template <class First, class Second>
 void both(int threads, const First& first, const Second& second) {
-  if (threads < 2) {
-    first();
-    second();
-    return;
-  }
-#pragma omp parallel sections num_threads(2)
-  {
-#pragma omp section
-    first();
-#pragma omp section
-    second();
-  }
+  parallel_items(2, threads, [&](int item) { item == 0 ? first() : second(); });
 }
 
 void divide(Block triangle, Index n, Block x, Index rows) {

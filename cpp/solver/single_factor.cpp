@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 
 #include "core/instruction_set.hpp"
+#include "core/parallel.hpp"
 
 namespace glossa {
 namespace {
@@ -27,22 +27,12 @@ bool SingleFactor::factorise(const LowerColumns& matrix, int threads, float shar
   for (auto& update : updates_)
     if (update) give_back(std::move(update));  // left by a factorisation that failed
   std::atomic<bool> failed = false;
-  std::exception_ptr thrown;
-  const auto count = static_cast<int>(layout_.branches.size());
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1) if (threads > 1)
-  for (int b = 0; b < count; ++b) {
-    try {
-      for (const Index k : layout_.branches[static_cast<std::size_t>(b)]) {
-        if (failed) break;
-        if (!eliminate(k, matrix, 1, share)) failed = true;
-      }
-    } catch (...) {
-      failed = true;
-      const std::lock_guard<std::mutex> lock(pool_->mutex);
-      thrown = std::current_exception();
+  parallel_items(static_cast<int>(layout_.branches.size()), threads, [&](int branch) {
+    for (const Index k : layout_.branches[static_cast<std::size_t>(branch)]) {
+      if (failed) break;
+      if (!eliminate(k, matrix, 1, share)) failed = true;
     }
-  }
-  if (thrown) std::rethrow_exception(thrown);
+  });
   if (failed) return false;
   return std::all_of(layout_.trunk.begin(), layout_.trunk.end(),
                      [&](Index k) { return eliminate(k, matrix, threads, share); });
