@@ -1,4 +1,4 @@
-"""What the tests of contact and hyoid on whole speakers share: balances of forces, fine samples of the surface."""
+"""What the tests of contact and hyoid on whole speakers share: scenes, postures, balances of forces."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ import numpy as np
 from tests.blocks import FloatArray
 
 from glossa import MUSCLES, VOWELS, Posture, Scene, Speaker
-from glossa.anatomy.hexahedra import matching_faces
-from glossa.anatomy.surface_sampling import surface_samples
-from glossa.contact_points import LEAST_MOBILITY, contact_points
 
 FRICTIONS = (0.0, 0.1)
 REFLEX_ONLY = dict.fromkeys(MUSCLES, 1.0)
@@ -74,43 +71,6 @@ def bone_balance(scene: Scene, posture: Posture) -> tuple[FloatArray, FloatArray
     tied = posture.speaker.node_sets["hyoid"]
     pulls = -posture.support_forces[tied]
     return force + pulls.sum(axis=0), moment + np.cross(posture.positions[tied] - centre, pulls).sum(axis=0)
-
-
-class FineSurface:
-    """Samples of every contact face every millimetre: more than six times the points that the solver sees."""
-
-    def __init__(self, speaker: Speaker) -> None:
-        held = np.zeros(len(speaker.nodes), dtype=bool)
-        held[speaker.node_sets["jaw"]] = True
-        self._fields = dict(zip(speaker.walls, contact_points(speaker, held, mirror=False).fields, strict=True))
-        self._samples = {}
-        for wall, faces in speaker.contact_faces.items():
-            numbers = matching_faces(faces, speaker.surface_quads)
-            samples = surface_samples(speaker.smooth_surface, numbers, 1e-3)
-            mobile = np.flatnonzero(samples.operator @ (~held).astype(float) > LEAST_MOBILITY)
-            operator = samples.operator[mobile]
-            overlap = np.maximum(0.0, -self._fields[wall].distance(operator @ speaker.nodes))
-            self._samples[wall] = (operator, overlap)
-
-    def depths(self, posture: Posture, wall: str) -> FloatArray:
-        """(k,) m: how deep each sample is in the wall, overlap at rest left out; 0 outside."""
-        operator, overlap = self._samples[wall]
-        return np.asarray(np.maximum(0.0, -self._fields[wall].distance(operator @ posture.positions) - overlap))
-
-    def points(self, posture: Posture, wall: str) -> FloatArray:
-        """(k, 3) m."""
-        return np.asarray(self._samples[wall][0] @ posture.positions)
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """With contact faces."""
-        return tuple(self._samples)
-
-
-@cache
-def fine_surface(speaker: Speaker) -> FineSurface:
-    """Made once for each speaker."""
-    return FineSurface(speaker)
 
 
 def touched(posture: Posture, wall: str) -> FloatArray:

@@ -39,6 +39,8 @@ def touching(electrodes: np.ndarray, gaps: np.ndarray, wall: Wall) -> Posture:
         pressures=np.zeros(count),
         directions=np.tile([0.0, 0.0, -1.0], (count, 1)),
         drags=np.zeros((count, 3)),
+        held=np.zeros(0, np.int32),
+        spacing=2.5e-3,
     )
     speaker = Speaker(corners * 0.01 - [0.0, 0.0, 0.02], [list(range(8))], walls={"hard_palate": wall})
     return replace(rest_posture(speaker), contact=contact)

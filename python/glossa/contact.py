@@ -28,6 +28,8 @@ class Contact:
         pressures: (k,) Pa, never negative.
         directions: (k, 3) gradient of the distance: the way out of the wall, of about unit length.
         drags: (k, 3) Pa, friction of the tongue on the wall.
+        held: (h,) nodes of the speaker that never move: on bone, where nothing touches.
+        spacing: of neighbouring points, m.
     """
 
     walls: tuple[str, ...]
@@ -38,6 +40,8 @@ class Contact:
     pressures: FloatArray
     directions: FloatArray
     drags: FloatArray
+    held: IntArray
+    spacing: float
 
     @property
     def touching(self) -> BoolArray:
@@ -74,7 +78,7 @@ class Contact:
 
     @property
     def penetration(self) -> float:
-        """Deepest penetration of any point, m."""
+        """Deepest penetration of any point, m; for the surface between them see :mod:`glossa.surface_penetration`."""
         return float(max(0.0, -self.gaps.min(initial=0.0)))
 
     def __repr__(self) -> str:

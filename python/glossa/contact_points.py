@@ -13,17 +13,21 @@ from scipy import sparse
 
 from glossa import _core
 from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
-from glossa.anatomy.contact_samples import contact_samples
+from glossa.anatomy.contact_samples import SPACING, contact_samples
 from glossa.anatomy.mirror import TOLERANCE, HalfBody, mirror_pairs
 from glossa.anatomy.speaker import Speaker
 from glossa.anatomy.wall_checks import check_facing, check_wall
 from glossa.anatomy.walls import Wall
+from glossa.checks import finite_number
 from glossa.contact import Contact
 from glossa.errors import InputError
 
 FIELD_SPACING = 0.9e-3
 """Of the lattice on which the distance of a wall is splined, m: surfaces are kept to 0.025 mm (95 % of their
 area; 0.1 mm at most), edges to 0.15 mm."""
+
+FINEST = 0.4e-3
+"""Least distance of contact points, m: edges of walls are not known any better."""
 
 LEAST_MOBILITY = 0.5
 """Share of moving nodes in a contact point: points nearer to attachments can hardly give way and are left out."""
@@ -50,6 +54,7 @@ class ContactPoints:
         areas: (k,) m2 of the surface at rest that the point stands for.
         offsets: (k,) m, at least 0, added to the distance of the wall.
         held: nodes that never move; faces among them touch nothing.
+        spacing: of the points, m.
     """
 
     walls: tuple[str, ...]
@@ -59,6 +64,7 @@ class ContactPoints:
     areas: FloatArray
     offsets: FloatArray
     held: IntArray
+    spacing: float
 
     def contact(
         self, positions: FloatArray, pressures: FloatArray, drags: FloatArray, shifts: Mapping[str, FloatArray]
@@ -79,6 +85,8 @@ class ContactPoints:
             pressures=pressures,
             directions=directions,
             drags=drags,
+            held=self.held,
+            spacing=self.spacing,
         )
 
     def core(self, rows: IntArray, half: HalfBody | None, friction: float) -> dict[str, Any]:
@@ -147,23 +155,36 @@ class ContactCourse:
         return self.points.contact(positions, mix[0], mix[1], self.wall_displacements)
 
 
-def contact_points(speaker: Speaker, held: BoolArray, *, mirror: bool) -> ContactPoints:
+def checked_spacing(value: Any) -> float:
+    """A checked spacing of contact points, m.
+
+    Raises:
+        InputError: not a number between FINEST and SPACING.
+    """
+    spacing = finite_number(value, "contact spacing")
+    if not FINEST <= spacing <= SPACING:
+        raise InputError(f"contact spacing must lie between {FINEST:g} and {SPACING:g} m, got {value!r}")
+    return spacing
+
+
+def contact_points(speaker: Speaker, held: BoolArray, *, mirror: bool, spacing: float = SPACING) -> ContactPoints:
     """Contact points of a speaker where at least one node of the face may move.
 
     Args:
         speaker: with walls.
         held: (n,) nodes that never move.
         mirror: the scene is mirrored; the walls must be, too.
+        spacing: of the points, m.
 
     Raises:
         InputError: a wall that cannot be touched: degenerate, inside out, open where the tongue faces it, or behind
             the tongue at rest; or not symmetric in a mirrored scene.
     """
-    return _contact_points(speaker, held.tobytes(), mirror)
+    return _contact_points(speaker, held.tobytes(), mirror, spacing)
 
 
 @lru_cache(maxsize=8)
-def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> ContactPoints:
+def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool, spacing: float) -> ContactPoints:
     """Kept, since a study makes many scenes of one speaker."""
     held = np.frombuffer(held_bytes, dtype=bool)
     parts, fields = [], []
@@ -171,7 +192,7 @@ def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> Contac
         check_wall(name, wall)
         if mirror:
             _check_symmetric(name, wall)
-        samples = contact_samples(speaker, name, held)
+        samples = contact_samples(speaker, name, held, spacing)
         points = samples.operator @ speaker.nodes
         check_facing(name, wall, points, samples.normals)
         distances = _field(wall, *_box(points, wall))
@@ -189,6 +210,7 @@ def _contact_points(speaker: Speaker, held_bytes: bytes, mirror: bool) -> Contac
         areas=np.concatenate(areas),
         offsets=np.concatenate(offsets),
         held=np.flatnonzero(held).astype(np.int32),
+        spacing=spacing,
     )
 
 

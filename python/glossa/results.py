@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from glossa.anatomy.arrays import FloatArray, IntArray
+from glossa.anatomy.arrays import BoolArray, FloatArray, IntArray
 from glossa.anatomy.gradient_recovery import gradient_errors
 from glossa.anatomy.speaker import Speaker
 from glossa.contact import Contact
-from glossa.contact_points import ContactCourse, contact_points
+from glossa.contact_points import ContactCourse, checked_spacing, contact_points
 from glossa.errors import InputError
 from glossa.hyoid_motion import HyoidCourse, HyoidPose
 from glossa.motor.commands import MotorCommands
@@ -235,6 +235,7 @@ class Posture:
                 for name, units in CONTACT_ARRAYS.items()
                 for values in [getattr(self.contact, name)]
             }
+            variables["held_nodes"] = (("held",), self.contact.held)
         if self.hyoid is not None:
             variables["hyoid_displacement"] = (("axis",), self.hyoid.displacement, {"units": "m"})
             variables["hyoid_rotation"] = (("axis",), self.hyoid.rotation, {"units": "rad"})
@@ -248,6 +249,8 @@ class Posture:
             "walls": json.dumps([] if self.contact is None else self.contact.walls),
             "wall_displacements": json.dumps({k: list(v) for k, v in self.wall_displacements.items()}),
         }
+        if self.contact is not None:
+            attributes["contact_spacing_m"] = self.contact.spacing
         if self.time is not None:
             attributes["time_s"] = self.time
         write_dataset(xr.Dataset(variables, attrs=attributes), path)
@@ -277,7 +280,7 @@ class Posture:
         arrays |= fields(data, {k: v for k, v in shapes.items() if k in data})
         contact = hyoid = None
         if "contact_wall" in data:
-            contact = _read_contact(data)
+            contact = _read_contact(data, n)
         if "hyoid_displacement" in data:
             hyoid = HyoidPose(*fields(data, dict.fromkeys(_HYOID_POSE, (3,))).values())
         shifts = json.loads(data.attrs.get("wall_displacements", "{}"))
@@ -397,6 +400,7 @@ class Movement:
                 "speaker": self.speaker.name,
                 "speaker_fingerprint": self.speaker.fingerprint,
                 "report": json.dumps(self.report.as_dict()),
+                **({} if self.contact is None else {"contact_spacing_m": self.contact.points.spacing}),
                 "wall_displacements": json.dumps(
                     {}
                     if self.contact is None
@@ -431,9 +435,7 @@ class Movement:
         shapes = {"positions": (t, n, 3), "velocities": (t, n, 3), "activations": (t, f), "fibre_forces": (t, f)}
         contact = hyoid = None
         if "contact_pressures" in data:
-            held = np.zeros(n, dtype=bool)
-            held[fields(data, {"held_nodes": (-1,)})["held_nodes"]] = True
-            points = contact_points(speaker, held, mirror=False)
+            points = contact_points(speaker, _held(data, n), mirror=False, spacing=_spacing(data))
             k = len(points.wall)
             course = fields(data, {"contact_pressures": (t, k), "contact_drags": (t, k, 3)})
             shifts = _wall_shifts(json.loads(data.attrs.get("wall_displacements", "{}")), speaker)
@@ -458,7 +460,7 @@ def _fibre_count(speaker: Speaker) -> int:
     return sum(len(muscle.fibres) for muscle in speaker.muscles.values())
 
 
-def _read_contact(data: xr.Dataset) -> Contact:
+def _read_contact(data: xr.Dataset, nodes: int) -> Contact:
     walls = tuple(json.loads(data.attrs["walls"]))
     k = data["contact_wall"].size
     vectors = ("points", "directions", "drags")
@@ -466,7 +468,24 @@ def _read_contact(data: xr.Dataset) -> Contact:
     number = arrays["contact_wall"]
     if k and not 0 <= number.min() <= number.max() < len(walls):
         raise InputError(f"contact_wall names wall {int(number.max())} of {len(walls)}")
-    return Contact(walls=walls, **{name.removeprefix("contact_"): values for name, values in arrays.items()})
+    return Contact(
+        walls=walls,
+        held=np.flatnonzero(_held(data, nodes)).astype(np.int32),
+        spacing=_spacing(data),
+        **{name.removeprefix("contact_"): values for name, values in arrays.items()},
+    )
+
+
+def _held(data: xr.Dataset, nodes: int) -> BoolArray:
+    """(n,) nodes that never move."""
+    held = np.zeros(nodes, dtype=bool)
+    held[fields(data, {"held_nodes": (-1,)})["held_nodes"]] = True
+    return held
+
+
+def _spacing(data: xr.Dataset) -> float:
+    """Of contact points, m."""
+    return checked_spacing(float(data.attrs["contact_spacing_m"]))
 
 
 def _wall_shifts(shifts: Mapping[str, Any], speaker: Speaker) -> dict[str, FloatArray]:

@@ -15,6 +15,7 @@ from glossa.anatomy.hexahedra import matching_faces
 from glossa.anatomy.mirror import mirror_pairs
 from glossa.anatomy.smooth_surface import SmoothSurface
 from glossa.anatomy.surface_patch import face_coordinates
+from glossa.anatomy.surface_sampling import surface_lattice
 from glossa.errors import InputError
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -302,6 +303,25 @@ def test_samples_carry_the_area(reference: Speaker) -> None:
     assert len(surface.samples([], 0.001).u) == 0
     assert len(surface.samples(faces[:2], 1.0).u) == 2
     assert len(surface.samples(faces[:2], 1e-5).u) == 72
+
+
+def test_lattice_has_nodes_and_edges_and_no_wider_gaps(reference: Speaker) -> None:
+    surface = reference.smooth_surface
+    faces = np.arange(0, len(surface.quads), 7)
+    face, u, v = surface_lattice(surface, faces, 1e-3)
+    points = surface.operator(face, u, v) @ surface.nodes
+    assert np.array_equal(np.unique(face), faces)
+    for number in faces[:20]:
+        own = face == number
+        corners = surface.nodes[surface.quads[number]]
+        assert np.linalg.norm(points[own][:, None] - corners, axis=2).min(axis=0).max() < 1e-15
+        columns, rows = len(np.unique(u[own])), len(np.unique(v[own]))
+        assert own.sum() == columns * rows
+        assert np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)[[0, 2]].max() <= 1e-3 * (columns - 1)
+        assert np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)[[1, 3]].max() <= 1e-3 * (rows - 1)
+    assert len(surface_lattice(surface, faces[:1], 1e-6)[0]) == 41**2
+    with pytest.raises(InputError, match="no face"):
+        surface_lattice(surface, [len(surface.quads)], 1e-3)
 
 
 def test_pb_bulges_little_where_it_may_touch(pb: Speaker) -> None:

@@ -11,7 +11,6 @@ from tests.speaker_contact import (
     FRICTIONS,
     REFLEX_ONLY,
     bone_balance,
-    fine_surface,
     largest,
     on_both_sides,
     scene_of,
@@ -22,6 +21,7 @@ from tests.speaker_contact import (
 
 from glossa import VOWELS, Ramp, Scene, Speaker, _core
 from glossa.anatomy.walls import Wall
+from glossa.surface_penetration import surface_penetration
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)
@@ -109,10 +109,10 @@ def test_contacts_of_the_vowels(reference: Speaker, friction: float) -> None:
 
 @pytest.mark.parametrize("vowel", ["i", "a", "u"])
 def test_penetration_between_the_points(reference: Speaker, vowel: str) -> None:
-    fine, posture = fine_surface(reference), vowel_of(reference, 0.1, vowel)
-    depths = np.concatenate([fine.depths(posture, wall) for wall in fine.walls])
-    assert len(depths) > 5000
-    assert depths.max() < 4.5e-4  # 0.41 mm seen, at an edge
+    surface = surface_penetration(vowel_of(reference, 0.1, vowel))
+    depths = surface.depths[~surface.attached]
+    assert len(depths) > 50_000
+    assert 1e-4 < depths.max() < 6e-4  # 0.50 mm seen, at an edge
     assert (depths > 5e-5).mean() < 0.03
 
 

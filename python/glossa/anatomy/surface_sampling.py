@@ -16,6 +16,8 @@ from glossa.anatomy.surface_patch import face_coordinates
 from glossa.errors import InputError
 
 LARGEST_DIVISION = 6
+LARGEST_LATTICE = 40
+"""Pieces of an edge at most: so many points of a face that is far larger than the others are not needed."""
 ROUNDING = 1e-9
 """Relative length that decides nothing: both sides of a symmetric body are divided alike."""
 _GAUSS = (np.array([-1.0, 1.0]) / np.sqrt(3.0) + 1.0) / 2.0
@@ -41,22 +43,13 @@ class SurfaceSamples:
     normals: FloatArray
 
 
-def surface_samples(surface: SmoothSurface | FacetSurface, faces: ArrayLike, spacing: float) -> SurfaceSamples:
-    """See ``SmoothSurface.samples``. Areas: 2 x 2 Gauss points in each cell."""
-    chosen = int_array(faces, "faces")
-    if not (np.isfinite(spacing) and spacing > 0.0):
-        raise InputError(f"spacing must be a positive length in m, got {spacing!r}")
-    if len(chosen) and chosen.max() >= len(surface.quads):
-        raise InputError(f"there is no face {chosen.max()}; the surface has {len(surface.quads)} (from 0)")
-    corners = surface.nodes[surface.quads[chosen]]
-    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    along = np.maximum(lengths[:, 0], lengths[:, 2]), np.maximum(lengths[:, 1], lengths[:, 3])
-    most = spacing * (1.0 + ROUNDING)
-    columns, rows = (np.clip(np.ceil(edge / most), 1, LARGEST_DIVISION).astype(np.int64) for edge in along)
-    count = columns * rows
-    face = np.repeat(chosen, count)
-    across, up = np.repeat(columns, count), np.repeat(rows, count)
-    row, column = np.divmod(np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count), across)
+def surface_samples(
+    surface: SmoothSurface | FacetSurface, faces: ArrayLike, spacing: float, most: int = LARGEST_DIVISION
+) -> SurfaceSamples:
+    """See ``SmoothSurface.samples``; ``most``: parts of an edge. Areas: 2 x 2 Gauss points in each cell."""
+    chosen, (columns, rows) = _divisions(surface, faces, spacing, most)
+    face, column, row = _cells(chosen, columns, rows)
+    across, up = np.repeat(columns, columns * rows), np.repeat(rows, columns * rows)
     u, v = (column + 0.5) / across, (row + 0.5) / up
     normals = surface.area_vectors(face, u, v)
     areas = np.zeros(len(face))
@@ -67,6 +60,52 @@ def surface_samples(surface: SmoothSurface | FacetSurface, faces: ArrayLike, spa
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     parts = (frozen(face), frozen(u), frozen(v))
     return SurfaceSamples(*parts, surface.operator(face, u, v), frozen(areas), frozen(normals))
+
+
+def surface_lattice(
+    surface: SmoothSurface | FacetSurface, faces: ArrayLike, spacing: float
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Faces and parameters (u, v), (k,) each, of points on ``faces``, edges and corners among them.
+
+    Each face is divided into its longer rest edge / spacing parts, rounded up, at most 40; a point of an edge counts in
+    both its faces.
+
+    Raises:
+        InputError: an unknown face, or a spacing that is not positive.
+    """
+    chosen, (columns, rows) = _divisions(surface, faces, spacing, LARGEST_LATTICE)
+    face, column, row = _cells(chosen, columns + 1, rows + 1)
+    count = (columns + 1) * (rows + 1)
+    return face, column / np.repeat(columns, count), row / np.repeat(rows, count)
+
+
+def _divisions(
+    surface: SmoothSurface | FacetSurface, faces: ArrayLike, spacing: float, most: int
+) -> tuple[IntArray, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """The faces, and into how many parts, up to ``most``, each is divided along u and along v."""
+    chosen = int_array(faces, "faces")
+    if not (np.isfinite(spacing) and spacing > 0.0):
+        raise InputError(f"spacing must be a positive length in m, got {spacing!r}")
+    if len(chosen) and chosen.max() >= len(surface.quads):
+        raise InputError(f"there is no face {chosen.max()}; the surface has {len(surface.quads)} (from 0)")
+    corners = surface.nodes[surface.quads[chosen]]
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    longest = spacing * (1.0 + ROUNDING)
+    along_u, along_v = (
+        np.clip(np.ceil(np.maximum(lengths[:, k], lengths[:, k + 2]) / longest), 1, most).astype(np.int64)
+        for k in (0, 1)
+    )
+    return chosen, (along_u, along_v)
+
+
+def _cells(
+    faces: IntArray, columns: NDArray[np.int64], rows: NDArray[np.int64]
+) -> tuple[IntArray, NDArray[np.int64], NDArray[np.int64]]:
+    """Face, column and row of each of the places that faces of so many columns and rows have, row by row."""
+    count = columns * rows
+    place = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    row, column = np.divmod(place, np.repeat(columns, count))
+    return np.repeat(faces, count), column, row
 
 
 def surface_triangulation(surface: SmoothSurface, divisions: int) -> tuple[sparse.csr_array, IntArray]:

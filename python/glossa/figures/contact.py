@@ -16,12 +16,10 @@ from matplotlib.lines import Line2D
 from scipy.spatial import cKDTree
 
 from glossa.anatomy.arrays import FloatArray, IntArray
-from glossa.anatomy.contact_samples import SPACING
+from glossa.anatomy.contact_samples import contact_samples, contact_surface
 from glossa.anatomy.facet_surface import FacetSurface
-from glossa.anatomy.hexahedra import matching_faces
 from glossa.anatomy.smooth_surface import SmoothSurface
 from glossa.anatomy.speaker import Speaker
-from glossa.anatomy.surface_sampling import surface_samples
 from glossa.anatomy.wall_checks import triangle_edges
 from glossa.errors import InputError
 from glossa.figures import style
@@ -129,7 +127,7 @@ def draw_palatogram(axes: Axes, posture: Posture, *, colour: str) -> None:
 def draw_tongue_from_above(axes: Axes, posture: Posture, walls: Sequence[str]) -> None:
     """All faces of the tongue, those that may touch ``walls`` coloured by what they touch; mm."""
     speaker = posture.speaker
-    surface = _surface(speaker)
+    surface = contact_surface(speaker)
     states = face_states(posture, walls)
     looks = np.array([to_rgb(OTHER), *(to_rgb(colour) for colour in LOOKS.values())])
     cells, edges = _cells(surface, posture.positions)
@@ -172,15 +170,17 @@ def face_states(posture: Posture, walls: Sequence[str]) -> IntArray:
     if contact is None:
         raise InputError("a contact map needs postures with contact; one comes from a scene without")
     speaker = posture.speaker
-    chosen = _faces_facing(speaker, walls)
-    samples = surface_samples(_surface(speaker), chosen, SPACING)
+    held = np.zeros(len(speaker.nodes), dtype=bool)
+    held[contact.held] = True
     states = np.full(len(speaker.surface_quads), -1, np.int32)
     of_walls = np.isin(contact.wall, [contact.walls.index(name) for name in walls])
-    if len(chosen) == 0 or not of_walls.any():
+    if not of_walls.any():
         return states
-    away, place = cKDTree(samples.operator @ posture.positions).query(contact.points[of_walls])
+    samples = [contact_samples(speaker, name, held, contact.spacing) for name in walls]
+    places = np.concatenate([own.operator @ posture.positions for own in samples])
+    away, place = cKDTree(places).query(contact.points[of_walls])
     found = away < _SAME
-    face = samples.faces[place[found]]
+    face = np.concatenate([own.faces for own in samples])[place[found]]
     states[face] = 2
     states[face[contact.gaps[of_walls][found] < CLOSE]] = 1
     states[face[contact.touching[of_walls][found]]] = 0
@@ -194,20 +194,6 @@ def _chosen_walls(speaker: Speaker, walls: Sequence[str] | None) -> list[str]:
     if unknown:
         raise InputError(f"no wall {unknown[0]!r}; this speaker has {', '.join(speaker.walls) or 'none'}")
     return list(walls)
-
-
-def _surface(speaker: Speaker) -> SmoothSurface | FacetSurface:
-    """The surface whose points touch walls."""
-    return speaker.smooth_surface if speaker.contact_faces else FacetSurface(speaker.nodes, speaker.surface_quads)
-
-
-def _faces_facing(speaker: Speaker, walls: Sequence[str]) -> IntArray:
-    """Surface faces that may touch one of the walls."""
-    quads = speaker.surface_quads
-    if not speaker.contact_faces:
-        return np.arange(len(quads), dtype=np.int32)
-    named = [matching_faces(speaker.contact_faces[name], quads) for name in walls if name in speaker.contact_faces]
-    return np.unique(np.concatenate([*named, np.zeros(0, int)])).astype(np.int32)
 
 
 def _cells(surface: SmoothSurface | FacetSurface, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
