@@ -51,6 +51,7 @@ FIELDS = ("positions", "activations", "fibre_forces", "pressure", "stiffening", 
 
 
 def assert_equal_postures(a: Posture, b: Posture) -> None:
+    assert a.tissue == b.tissue
     for name in FIELDS:
         first, second = getattr(a, name), getattr(b, name)
         assert (first is None) == (second is None)
@@ -278,6 +279,7 @@ class TestMovement:
 
 
 def assert_equal_movements(a: Movement, b: Movement) -> None:
+    assert a.tissue == b.tissue
     for name in ("times", "positions", "velocities", "activations", "fibre_forces"):
         assert np.array_equal(getattr(a, name), getattr(b, name))
     assert a.report == b.report

@@ -67,6 +67,11 @@ class Yeoh:
         """Kappa = 2 mu (1 + nu) / (3 (1 - 2 nu)), Pa."""
         return 4.0 * self.c10 * (1.0 + self.poissons_ratio) / (3.0 * (1.0 - 2.0 * self.poissons_ratio))
 
+    def about_as_stiff_as(self, other: Yeoh) -> bool:
+        """Whether its stiffness is half to twice the other's, under small and under large shear (I = 4)."""
+        pairs = ((self.c10, other.c10), (self.c10 + 2.0 * self.c20, other.c10 + 2.0 * other.c20))
+        return all(0.5 <= one / two <= 2.0 for one, two in pairs)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Reflex:

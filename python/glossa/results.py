@@ -18,6 +18,7 @@ from glossa.anatomy.gradient_recovery import gradient_errors
 from glossa.anatomy.speaker import Speaker
 from glossa.contact import Contact
 from glossa.contact_points import ContactCourse, checked_spacing, contact_points
+from glossa.effects import Yeoh
 from glossa.errors import InputError
 from glossa.hyoid_motion import HyoidCourse, HyoidPose
 from glossa.motor.commands import MotorCommands
@@ -129,6 +130,7 @@ class Posture:
         hyoid: pose of a mobile hyoid; None where it does not move.
         wall_displacements: (3,) m by wall, for walls that were displaced.
         time: s, for a moment of a movement.
+        tissue: passive tissue of the scene; None where it is not known.
     """
 
     speaker: Speaker
@@ -144,6 +146,7 @@ class Posture:
     hyoid: HyoidPose | None = None
     wall_displacements: Mapping[str, FloatArray] = field(default_factory=dict)
     time: float | None = None
+    tissue: Yeoh | None = None
 
     @property
     def displacements(self) -> FloatArray:
@@ -249,6 +252,7 @@ class Posture:
             "walls": json.dumps([] if self.contact is None else self.contact.walls),
             "wall_displacements": json.dumps({k: list(v) for k, v in self.wall_displacements.items()}),
         }
+        attributes |= _tissue_attribute(self.tissue)
         if self.contact is not None:
             attributes["contact_spacing_m"] = self.contact.spacing
         if self.time is not None:
@@ -292,6 +296,7 @@ class Posture:
             hyoid=hyoid,
             wall_displacements=_wall_shifts(shifts, speaker),
             time=float(data.attrs["time_s"]) if "time_s" in data.attrs else None,
+            tissue=_read_tissue(data),
             **always,
             **arrays,
         )
@@ -312,6 +317,7 @@ class Movement:
         contact: contact over time; None in a scene without.
         hyoid: pose of a mobile hyoid over time; None where it does not move.
         schedule: motor commands over time; None for a movement read from a file.
+        tissue: passive tissue of the scene; None where it is not known.
     """
 
     speaker: Speaker
@@ -324,6 +330,7 @@ class Movement:
     contact: ContactCourse | None = None
     hyoid: HyoidCourse | None = None
     schedule: Schedule | None = None
+    tissue: Yeoh | None = None
 
     @property
     def forces(self) -> pd.DataFrame:
@@ -368,6 +375,7 @@ class Movement:
             wall_displacements={} if self.contact is None else self.contact.wall_displacements,
             report=self.report,
             time=float(time),
+            tissue=self.tissue,
         )
 
     def to_xarray(self) -> xr.Dataset:
@@ -400,6 +408,7 @@ class Movement:
                 "speaker": self.speaker.name,
                 "speaker_fingerprint": self.speaker.fingerprint,
                 "report": json.dumps(self.report.as_dict()),
+                **_tissue_attribute(self.tissue),
                 **({} if self.contact is None else {"contact_spacing_m": self.contact.points.spacing}),
                 "wall_displacements": json.dumps(
                     {}
@@ -449,6 +458,7 @@ class Movement:
             report=SolveReport(**report),
             contact=contact,
             hyoid=hyoid,
+            tissue=_read_tissue(data),
             **fields(data, shapes),
         )
 
@@ -458,6 +468,14 @@ _HYOID_POSE = ("hyoid_displacement", "hyoid_rotation", "hyoid_centre")
 
 def _fibre_count(speaker: Speaker) -> int:
     return sum(len(muscle.fibres) for muscle in speaker.muscles.values())
+
+
+def _tissue_attribute(tissue: Yeoh | None) -> dict[str, str]:
+    return {} if tissue is None else {"tissue": json.dumps(asdict(tissue))}
+
+
+def _read_tissue(data: xr.Dataset) -> Yeoh | None:
+    return Yeoh(**json.loads(data.attrs["tissue"])) if "tissue" in data.attrs else None
 
 
 def _read_contact(data: xr.Dataset, nodes: int) -> Contact:

@@ -295,7 +295,9 @@ class Scene:
             commands: lambda by muscle; muscles not named are silent; None: no muscle acts.
             start: posture or (n, 3) positions in m to start from; None: rest. An equilibrium brings the state of its
                 contact along, so that nothing is left to do where it is one of these commands, too, and little where
-                they differ by a few percent. The slip that friction opposes counts from rest all the same.
+                they differ by a few percent. The slip that friction opposes counts from rest all the same. Of tissue
+                more than twice or less than half as stiff as this scene's, whose pressures tell nothing here, a posture
+                brings positions alone.
             prescribed: displacement from rest of node sets, (3,) or (k, 3) in m; None as a component leaves it free.
                 "wall:name" displaces a wall, (3,) in m.
             loads: total dead force on node sets, (3,) in N. It is spread as a uniform traction over the boundary faces
@@ -325,6 +327,7 @@ class Scene:
         targets = np.where(held, target, at_rest)
         load = nodal_loads(self.speaker, {} if loads is None else loads)
         before = start if isinstance(start, Posture) else None
+        pressed = before is not None and before.time is None and self._same_pressures(before)
         solution = self._solver.equilibrate(
             fractions=self._fractions(checked),
             start=self._body.restrict_positions(from_positions, "start"),
@@ -334,7 +337,7 @@ class Scene:
             load=None if load is None else self._body.restrict_forces(load, "loads"),
             wall_start=self._wall_shift({} if before is None else before.wall_displacements),
             wall_shift=self._wall_shift(walls),
-            contact_pressure=None if before is None or before.time is not None else self._pressed(before),
+            contact_pressure=self._body.restrict_contact(before.contact)[0] if before and pressed else None,
             tolerance=wanted.residual,
             gap_tolerance=wanted.gap,
             max_iterations=limit,
@@ -342,9 +345,9 @@ class Scene:
         posture = self._posture(solution, checked, free, walls)
         return self._finished(posture)
 
-    def _pressed(self, start: Posture) -> FloatArray | None:
-        """Pressures of the body's contact points, Pa; None where the posture's are others."""
-        return self._body.restrict_contact(start.contact)[0]
+    def _same_pressures(self, start: Posture) -> bool:
+        """Whether the posture's tissue is stiff enough, and not too stiff, for its pressures to be a start."""
+        return start.tissue is not None and start.tissue.about_as_stiff_as(self.tissue)
 
     def _wall_shift(self, walls: Mapping[str, FloatArray]) -> FloatArray | None:
         """(walls, 3) m; None without contact."""
@@ -370,7 +373,7 @@ class Scene:
         if isinstance(start, Posture):
             if start.speaker is not self.speaker and start.speaker.fingerprint != self.speaker.fingerprint:
                 raise InputError("start: this posture belongs to another speaker")
-            return start.positions, start.pressure
+            return start.positions, start.pressure if self._same_pressures(start) else None
         positions = real_array(start, "start must be a Posture or an array of node positions")
         if positions.shape != self.speaker.nodes.shape:
             raise InputError(f"start: positions need shape {self.speaker.nodes.shape}, got {positions.shape}")
@@ -397,6 +400,7 @@ class Scene:
             hyoid=body.hyoid_pose(solution.positions),
             wall_displacements=walls,
             report=SolveReport.from_core(solution.report),
+            tissue=self.tissue,
         )
 
     def _finished(self, posture: Posture) -> Posture:
@@ -471,9 +475,11 @@ class Scene:
         positions, pressure = self._start(initial)
         before = initial if isinstance(initial, Posture) else None
         walls = {} if before is None or not self.contact else before.wall_displacements
-        contact_pressure, contact_drag = self._body.restrict_contact(None if before is None else before.contact)
+        touch = before.contact if before is not None and self._same_pressures(before) else None
+        contact_pressure, contact_drag = self._body.restrict_contact(touch)
         return Simulation(
             self.speaker,
+            self.tissue,
             self._body,
             self._solver,
             planned,

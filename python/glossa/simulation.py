@@ -12,6 +12,7 @@ from glossa.anatomy.arrays import FloatArray
 from glossa.anatomy.speaker import Speaker
 from glossa.body import Body
 from glossa.checks import finite_number, one_of
+from glossa.effects import Yeoh
 from glossa.errors import InputError, SolveError, SolveInterrupted
 from glossa.motor.schedule import Schedule
 from glossa.results import Movement, Posture, SolveReport
@@ -46,6 +47,7 @@ class Simulation:
     def __init__(
         self,
         speaker: Speaker,
+        tissue: Yeoh,
         body: Body,
         solver: _core.Solver,
         schedule: Schedule,
@@ -74,6 +76,7 @@ class Simulation:
         place = {name: k for k, name in enumerate(speaker.muscles)}
         table[:, [place[name] for name in schedule.muscles]] = fractions
         self.speaker = speaker
+        self.tissue = tissue
         self.schedule = schedule
         self._body = body
         self._walls = wall_displacements
@@ -142,6 +145,7 @@ class Simulation:
             wall_displacements=self._walls,
             report=self.report,
             time=self.time,
+            tissue=self.tissue,
         )
 
     @property
@@ -197,6 +201,7 @@ class Simulation:
             hyoid=body.hyoid_course(frames),
             report=self.report,
             schedule=self.schedule,
+            tissue=self.tissue,
         )
         if status != "converged":
             self._fail(status, movement)

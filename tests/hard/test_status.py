@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -87,12 +88,12 @@ def test_penetrated(body: Speaker) -> None:
 
 
 def test_indefinite(scene: Scene, body: Speaker) -> None:
-    """The start brings the element pressures of tissue a million times as stiff, which no shift of the tangent
-    outweighs. Its positions alone are a start."""
+    """The start has the element pressures of tissue a million times as stiff and says that it were of this one: no
+    shift of the tangent outweighs them. Without that lie they are left behind (``test_tissue.py``)."""
     stiff = Scene(body, fixed=["left"], tissue=Yeoh(1037e6, 486e6))
     bent = stiff.equilibrate(prescribed={"right": (-0.012, 0.0, 0.003)})
-    refused(scene, "indefinite", commands=FORCE, start=bent)
-    sound(scene.equilibrate(FORCE, start=bent.positions))
+    refused(scene, "indefinite", commands=FORCE, start=replace(bent, tissue=scene.tissue))
+    sound(scene.equilibrate(FORCE, start=bent))
 
 
 def test_stalled_movement() -> None:

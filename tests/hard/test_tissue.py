@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from tests.blocks import block, hyoid_block, yeoh
-from tests.hard.bodies import layered_bar
+from tests.hard.bodies import layered_bar, over_floor
 from tests.hard.checks import farthest, sound
 
-from glossa import Posture, Scene, SolveError, Speaker, Stiffening, Yeoh
+from glossa import VOWELS, Posture, Scene, SolveError, Speaker, Stiffening, Yeoh
 from glossa.anatomy.hexahedra import volumes
 
 RATIOS = (0.45, 0.49, 0.499, 0.4999, 0.49999)
@@ -167,3 +167,51 @@ def test_springs_of_the_hyoid_from_loose_to_rigid(factor: float) -> None:
     share = 1.0 / factor if factor > 1.0 else factor
     assert farthest(shape(factor), limit) < 0.5 * share  # m: in proportion to what is left of the springs, or of give
     assert farthest(shape(1.0), limit) > 1e-3
+
+
+# Starts from other tissue
+
+BENT = {"right": (-0.012, 0.0, 0.003)}
+
+
+@pytest.mark.parametrize("times", [1e-6, 1e-3, 4.0, 1e3, 1e6])
+def test_start_from_a_posture_of_other_tissue(times: float) -> None:
+    """Hard: pressures of up to 10^9 Pa that balance forces which the tissue here has not; brought along they made the
+    first tangent indefinite beyond every shift. Right: the posture of the same tissue from rest."""
+    body = block((6, 4, 4), muscles={"upper": 6.0, "lower": 6.0})
+    scene = Scene(body, fixed=["left"])
+    tissue = Yeoh(1037.0 * times, 486.0 * times)
+    other = Scene(body, fixed=["left"], tissue=tissue, gravity=None).equilibrate(prescribed=BENT)
+    assert other.pressure is not None
+    assert np.abs(other.pressure).max() > 1e3 * times
+    for prescribed in (BENT, {}):
+        found = scene.equilibrate({"upper": 0.8}, start=other, prescribed=prescribed)
+        sound(found)
+        assert farthest(found.positions, scene.equilibrate({"upper": 0.8}, prescribed=prescribed).positions) < 1e-7
+    movement = scene.simulate({"upper": 0.8}, 0.02, initial=other, accuracy="draft")
+    assert movement.report.converged
+
+
+def test_contact_of_other_tissue_is_left_behind() -> None:
+    """Hard: tissue a million times as stiff, pressed onto a floor, leaves 10^6 times the pressure at its points."""
+    body = over_floor(block((6, 4, 4)), 5e-4)
+    scene = Scene(body, fixed=["left"])
+    down = {"right": (0.0, 0.0, -0.001)}
+    stiff = Scene(body, fixed=["left"], tissue=Yeoh(1.037e9, 4.86e8)).equilibrate(prescribed=down)
+    assert stiff.contact is not None
+    assert stiff.contact.pressures.max() > 1e6
+    found = scene.equilibrate(start=stiff)
+    sound(found)
+    assert farthest(found.positions, scene.equilibrate().positions) < 5e-5
+
+
+def test_start_from_tissue_of_nearly_the_same_stiffness_saves_work(reference: Speaker) -> None:
+    """Where only a little differs, contact and pressures are brought along; positions alone need three times as many
+    iterations."""
+    scene = Scene(reference, mirror=True)
+    other = Scene(reference, mirror=True, tissue=Yeoh(1.1 * 1037.0, 1.1 * 486.0)).equilibrate(VOWELS["i"])
+    with_pressures = scene.equilibrate(VOWELS["i"], start=other).report
+    alone = scene.equilibrate(VOWELS["i"], start=other.positions).report
+    assert with_pressures is not None
+    assert alone is not None
+    assert 2 * with_pressures.iterations <= alone.iterations
