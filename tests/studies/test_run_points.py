@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import pickle
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -35,7 +36,7 @@ from glossa import (
     __version__,
     area_function,
 )
-from glossa.studies import Point, Progress, open_study, run_points
+from glossa.studies import Point, Progress, evaluation, open_study, run_points
 from glossa.studies.evaluation import Setup, evaluate_packed, study_name
 from glossa.studies.midsagittal_nodes import MIDSAGITTAL_NODES
 from glossa.studies.study_point import canonical
@@ -332,6 +333,7 @@ def test_workers_keep_scenes(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> N
         build(self, *args, **options)
 
     monkeypatch.setattr(Scene, "__init__", counted)
+    monkeypatch.setattr(evaluation, "_local", threading.local())  # a worker that has seen no study, not even this one
     setup = Setup(scene=scene, start=None, positions=False).packed()
     light = Point(commands={"upper": 0.8}, scene={"gravity": (0.0, 0.0, -1.6)})
     dark = Point(commands={"upper": 0.8}, scene={"gravity": (0.0, 0.0, -2.6)})
