@@ -22,7 +22,7 @@ namespace glossa {
 
 struct EquilibriumOptions {
   double tolerance = 1e-8;        ///< residual over force scale
-  int max_iterations = 150;       ///< Newton iterations
+  int max_iterations = 150;       ///< Newton iterations of each minimisation
   double max_step = 0.055;        ///< largest displacement component of one iteration over the extent of the body
   bool quasi_newton = true;       ///< finish with frozen factors
   double gap_tolerance = 4.5e-5;  ///< m, deepest penetration of a wall, widest gap that still pushes

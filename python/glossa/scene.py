@@ -305,7 +305,8 @@ class Scene:
             accuracy: "draft", "standard" or "reference": residual below 1e-5, 1e-8 or 1e-11 of the force scale, and
                 no wall entered deeper than 0.05, 0.05 or 0.02 mm at any contact point; or a
                 :class:`glossa.tolerances.Tolerances`.
-            max_iterations: Newton iterations after which the solve is given up.
+            max_iterations: Newton iterations after which a minimisation is given up. Contact's multipliers, stiffening
+                factors that must be held and walls that move take one minimisation for each of their updates.
 
         Raises:
             InputError: wrong input, or a body that is not held.
