@@ -151,7 +151,7 @@ Status Simulation::advance(double until, Recording* recording) {
       const bool last_resort = shortest_failed <= whole * smallest_part;
       taken = attempt(h, last_resort ? Integrator::backward_euler : options_.integrator, next, defect);
       if (!taken) {
-        ++report_.rescued;
+        ++(too_long_ ? report_.rejected : report_.rescued);
         if (last_resort) break;
         h *= 0.5;
         shortest_failed = h;

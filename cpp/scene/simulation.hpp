@@ -138,6 +138,7 @@ class Simulation {
   std::shared_ptr<const FactorPoint> factor_;  // in use; null: none
   long factor_stamp_ = -1;                     // of the system when this simulation factorised last
   double largest_increment_ = 0.0;             // m
+  bool too_long_ = false;                      // the last attempt failed because an adaptive step was long
   std::vector<double> delayed_lengths_, delayed_rates_;
 };
 

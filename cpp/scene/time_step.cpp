@@ -11,6 +11,7 @@ constexpr int quasi_newton_limit = 24;
 constexpr int slow_after = 16;  // iterations, with a factor of another state
 constexpr int newton_limit = 20;
 constexpr int worth_renewing = 9;  // iterations of a stage after which the factor is renewed
+constexpr double worth_halving = 5e-4;  // s of a stage: rather than by Newton's method a longer one is solved in halves
 constexpr int longest_search = 8;
 constexpr double search_share = 0.5;  // of the slope at the start of a line search
 constexpr double least_scale = 0.1;   // N, force to which the tolerance refers at least
@@ -18,6 +19,7 @@ constexpr double least_scale = 0.1;   // N, force to which the tolerance refers 
 }  // namespace
 
 bool Simulation::attempt(double h, Integrator method, State& next, double& defect) {
+  too_long_ = false;
   // The last step of a two-step method must not lie across a corner of the commands or one of its echoes.
   if (method == Integrator::bdf2 && (state_.last_step == 0.0 || h > 2.0 * state_.last_step || at_breakpoint()))
     method = Integrator::sdirk2;
@@ -222,6 +224,11 @@ void Simulation::search(const Stage& stage, Trial& trial, const Vector& incremen
 bool Simulation::solve_stage(const Stage& stage, Trial& trial) {
   ++report_.iterations;
   if (iterate(stage, trial, false)) return true;
+  if (options_.error_tolerance > 0.0 && stage.hg > worth_halving) {
+    factor_.reset();
+    too_long_ = true;
+    return false;
+  }
   // Once more from the start of the step, with a factor at every iteration.
   trial.positions = state_.positions;
   trial.pressure = state_.pressure;

@@ -43,8 +43,8 @@ class SolveReport:
         factorisations: numeric factorisations.
         indefinite: tangents that needed a cure.
         line_search: steps that were cut back.
-        steps, rejected, rescued: time steps accepted, repeated for accuracy, and saved by a fresh factor, a shorter
-            step or backward Euler.
+        steps, rejected, rescued: time steps accepted; shortened for accuracy or, adaptive ones, for slow convergence;
+            and saved by a fresh factor, a shorter step or backward Euler.
         residual: N, 2-norm over the free components; force_scale: N, what the tolerance refers to.
         least_jacobian: smallest J at any Gauss point; worst_element: its hexahedron in the body that was computed.
         error_estimate: largest estimated local error of a time step, m; accumulated_error: largest estimated error of
