@@ -10,7 +10,7 @@ namespace {
 constexpr int quasi_newton_limit = 24;
 constexpr int slow_after = 16;  // iterations, with a factor of another state
 constexpr int newton_limit = 20;
-constexpr int worth_renewing = 9;  // iterations of a stage after which the factor is renewed
+constexpr int worth_renewing = 9;       // iterations of a stage after which the factor is renewed
 constexpr double worth_halving = 5e-4;  // s of a stage: rather than by Newton's method a longer one is solved in halves
 constexpr int longest_search = 8;
 constexpr double search_share = 0.5;  // of the slope at the start of a line search

@@ -49,7 +49,7 @@ struct Report {
   int indefinite = 0;              ///< tangents that needed a cure
   int line_search = 0;             ///< steps cut back
   int steps = 0;                   ///< accepted time steps
-  int rejected = 0;                ///< time steps shortened for accuracy, or because an adaptive one converged too slowly
+  int rejected = 0;                ///< time steps shortened for accuracy or, adaptive ones, slow convergence
   int rescued = 0;                 ///< time steps that needed a fresh factor, a shorter step or backward Euler
   double residual = 0.0;           ///< N, 2-norm over the free components
   double force_scale = 0.0;        ///< N, to which the tolerance refers
