@@ -84,7 +84,8 @@ std::optional<Bone> bone_options(const py::object& given) {
 
 ElementKind element_kind(const std::string& name) {
   if (name == "Q1P0") return ElementKind::q1p0;
-  require(name == "Q1", "element must be 'Q1P0' or 'Q1', it is '" + name + "'");
+  if (name == "Q2P1") return ElementKind::q2p1;
+  require(name == "Q1", "element must be 'Q1P0', 'Q1' or 'Q2P1', it is '" + name + "'");
   return ElementKind::q1;
 }
 

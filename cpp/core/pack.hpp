@@ -53,9 +53,10 @@ GLOSSA_ALWAYS_INLINE void transpose(Pack& a, Pack& b, Pack& c, Pack& d) {
   d = GLOSSA_SHUFFLE(odd_ab, odd_cd, 2, 3, 6, 7);
 }
 
-/// The vectors of each element's corners from a field of four doubles for each node, the last of them unused.
-GLOSSA_ALWAYS_INLINE void gather(const double* field, const Index corner[8][lanes], Pack x[8][3]) {
-  for (int n = 0; n < 8; ++n) {
+/// The vectors of each element's nodes from a field of four doubles for each node, the last of them unused.
+template <int count>
+GLOSSA_ALWAYS_INLINE void gather(const double* field, const Index (&corner)[count][lanes], Pack (&x)[count][3]) {
+  for (int n = 0; n < count; ++n) {
     Pack node[lanes];
     for (int lane = 0; lane < lanes; ++lane) node[lane] = load(field + 4 * static_cast<std::size_t>(corner[n][lane]));
     transpose(node[0], node[1], node[2], node[3]);

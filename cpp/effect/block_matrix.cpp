@@ -8,11 +8,9 @@
 namespace glossa {
 namespace {
 
-constexpr Index pairs_per_element = 36;
-
 // Visits the nodes of every cell; a cell with a tied node also couples the pose of the bone.
 template <class Visit>
-void for_cells(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, const Ties* ties, Visit&& visit) {
+void for_cells(const Cells& elements, const Rows<Index>& extra, const Ties* ties, Visit&& visit) {
   std::vector<Index> cell;
   const auto pass_on = [&](const Index* first, const Index* last) {
     cell.assign(first, last);
@@ -22,15 +20,15 @@ void for_cells(const std::vector<Hexahedron>& elements, const Rows<Index>& extra
       cell.insert(cell.end(), {ties->centre, ties->turn});
     visit(cell);
   };
-  for (const Hexahedron& element : elements) pass_on(element.data(), element.data() + element.size());
+  for (std::size_t e = 0; e < elements.count(); ++e) pass_on(elements.begin(e), elements.end(e));
   for (Index r = 0; r < extra.size(); ++r) pass_on(extra.begin(r), extra.end(r));
   if (ties != nullptr)
     for (const Index node : ties->nodes) pass_on(&node, &node + 1);
 }
 
 // Lower triangle (row > column, diagonal included) of the graph of the cells, in the numbering of `rank`.
-void lower_graph(const std::vector<Index>& rank, Index count, const std::vector<Hexahedron>& elements,
-                 const Rows<Index>& extra, const Ties* ties, std::vector<Index>& start, std::vector<Index>& row) {
+void lower_graph(const std::vector<Index>& rank, Index count, const Cells& elements, const Rows<Index>& extra,
+                 const Ties* ties, std::vector<Index>& start, std::vector<Index>& row) {
   std::vector<std::vector<Index>> columns(static_cast<std::size_t>(count));
   for_cells(elements, extra, ties, [&](const std::vector<Index>& nodes) {
     for (const Index a : nodes)
@@ -51,8 +49,8 @@ void lower_graph(const std::vector<Index>& rank, Index count, const std::vector<
 
 }  // namespace
 
-BlockMatrix::BlockMatrix(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-                         const Rows<Index>& extra, NodeOrdering ordering, const Ties* ties) {
+BlockMatrix::BlockMatrix(Index node_count, const FreeMask& free, const Cells& elements, const Rows<Index>& extra,
+                         NodeOrdering ordering, const Ties* ties) {
   number_nodes(node_count, free, elements, extra, ordering, ties);
   lay_out_blocks(elements, extra, ties);
   lay_out_columns();
@@ -61,12 +59,11 @@ BlockMatrix::BlockMatrix(Index node_count, const FreeMask& free, const std::vect
   mass_.assign(block_row_.size(), 0.0);
 }
 
-void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-                               const Rows<Index>& extra, NodeOrdering ordering, const Ties* ties) {
+void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const Cells& elements, const Rows<Index>& extra,
+                               NodeOrdering ordering, const Ties* ties) {
   rank_of_node_.assign(static_cast<std::size_t>(node_count), -1);
   std::vector<bool> used(static_cast<std::size_t>(node_count), false);
-  for (const Hexahedron& element : elements)
-    for (const Index node : element) used[static_cast<std::size_t>(node)] = true;
+  for (const Index node : elements.nodes) used[static_cast<std::size_t>(node)] = true;
   if (ties != nullptr) {
     for (const Index node : ties->nodes) used[static_cast<std::size_t>(node)] = false;
     for (const Index node : {ties->centre, ties->turn}) used[static_cast<std::size_t>(node)] = true;
@@ -107,7 +104,7 @@ void BlockMatrix::number_nodes(Index node_count, const FreeMask& free, const std
     }
 }
 
-void BlockMatrix::lay_out_blocks(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, const Ties* ties) {
+void BlockMatrix::lay_out_blocks(const Cells& elements, const Rows<Index>& extra, const Ties* ties) {
   lower_graph(rank_of_node_, static_cast<Index>(node_of_rank_.size()), elements, extra, ties, block_start_, block_row_);
   blocks_.assign(9 * block_row_.size(), 0.0);
   for (std::size_t J = 0; J < unknown_ranks_; ++J) {
@@ -135,13 +132,14 @@ void BlockMatrix::lay_out_columns() {
   columns_.value.assign(columns_.row.size(), 0.0);
 }
 
-void BlockMatrix::collect_sources(const std::vector<Hexahedron>& elements) {
+void BlockMatrix::collect_sources(const Cells& elements) {
   std::vector<std::pair<Index, Source>> found;
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    Index pair = static_cast<Index>(e) * pairs_per_element;
-    for (std::size_t b = 0; b < 8; ++b)
+  for (std::size_t e = 0; e < elements.count(); ++e) {
+    const Index* nodes = elements.begin(e);
+    auto pair = static_cast<Index>(e * elements.pairs());
+    for (std::size_t b = 0; b < elements.size; ++b)
       for (std::size_t a = 0; a <= b; ++a, ++pair) {
-        const Slot s = slot(elements[e][a], elements[e][b]);
+        const Slot s = slot(nodes[a], nodes[b]);
         if (s.block >= 0) found.push_back({s.block, {pair, s.transposed}});
       }
   }

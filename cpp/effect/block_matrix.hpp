@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bone/bone.hpp"
+#include "core/cells.hpp"
 #include "core/types.hpp"
 
 namespace glossa {
@@ -33,14 +34,14 @@ class BlockMatrix {
  public:
   /// `elements`: cells whose packed tangents are gathered. `extra`: further groups of nodes that become fully coupled.
   /// `ties`: nodes that follow a bone, if there is one; the free components of its pose are unknowns.
-  BlockMatrix(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements, const Rows<Index>& extra,
+  BlockMatrix(Index node_count, const FreeMask& free, const Cells& elements, const Rows<Index>& extra,
               NodeOrdering ordering, const Ties* ties = nullptr);
 
   [[nodiscard]] Index unknown_count() const { return static_cast<Index>(component_of_unknown_.size()); }
   /// Flat component (3 n + i) of an unknown.
   [[nodiscard]] const std::vector<Index>& component_of_unknown() const { return component_of_unknown_; }
 
-  /// Sets every block to the sum of its element tangents (effect/elasticity_kernel.hpp layout) plus
+  /// Sets every block to the sum of its packed element tangents (core/cells.hpp; row-major 3 x 3 blocks) plus
   /// mass_scale times the scalar mass of its node pair.
   void gather(std::span<const double> element_tangents, double mass_scale, int threads);
   /// Adds a symmetric 3 x 3 block that couples nodes a and b as rows a, columns b (and its transpose when a != b).
@@ -58,7 +59,7 @@ class BlockMatrix {
   /// Adds `shift` to the diagonal of every unknown.
   void shift_diagonal(double shift);
 
-  /// Consistent element masses (36 pair values per element, a <= b) summed into the blocks, once.
+  /// Consistent element masses (packed, one value for each pair) summed into the blocks, once.
   void set_mass(std::span<const double> element_masses);
   /// Adds a point mass (kg); after set_mass.
   void add_mass(Index node, double mass);
@@ -70,7 +71,7 @@ class BlockMatrix {
 
  private:
   struct Source {
-    Index offset;  // of the 36-pair block in the packed element array, in blocks
+    Index offset;  // of the node pair in the packed element array, in blocks
     bool transposed;
   };
   // A block between a tied node and any other, and where it goes. Where both are tied, `other` is the second of them.
@@ -81,11 +82,11 @@ class BlockMatrix {
     Slot centre{-1, false};  // of the pose with the other node
     Slot turn{-1, false};
   };
-  void number_nodes(Index node_count, const FreeMask& free, const std::vector<Hexahedron>& elements,
-                    const Rows<Index>& extra, NodeOrdering ordering, const Ties* ties);
-  void lay_out_blocks(const std::vector<Hexahedron>& elements, const Rows<Index>& extra, const Ties* ties);
+  void number_nodes(Index node_count, const FreeMask& free, const Cells& elements, const Rows<Index>& extra,
+                    NodeOrdering ordering, const Ties* ties);
+  void lay_out_blocks(const Cells& elements, const Rows<Index>& extra, const Ties* ties);
   void lay_out_columns();
-  void collect_sources(const std::vector<Hexahedron>& elements);
+  void collect_sources(const Cells& elements);
   void collect_ties(const Ties& ties);
   [[nodiscard]] Slot slot_of_ranks(Index i, Index j) const;
   [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(Index b) const {

@@ -23,4 +23,18 @@ NodeField gravity_load(const HexMesh& mesh, double density, const Vector3& gravi
   return load;
 }
 
+NodeField gravity_load(const Cells& cells, const std::vector<double>& masses, Index node_count,
+                       const Vector3& gravity) {
+  NodeField load(3 * static_cast<std::size_t>(node_count), 0.0);
+  const auto add = [&](Index node, double mass) { Eigen::Map<Vector3>(load.data() + 3 * node) += mass * gravity; };
+  std::size_t pair = 0;
+  for (std::size_t c = 0; c < cells.count(); ++c)
+    for (std::size_t b = 0; b < cells.size; ++b)
+      for (std::size_t a = 0; a <= b; ++a, ++pair) {
+        add(cells.begin(c)[a], masses[pair]);
+        if (a != b) add(cells.begin(c)[b], masses[pair]);
+      }
+  return load;
+}
+
 }  // namespace glossa

@@ -30,5 +30,8 @@ class DeadLoad final : public Effect {
 
 /// Weight of the body as consistent nodal forces (N) for a density (kg/m3) and a field of gravity (m/s2).
 [[nodiscard]] NodeField gravity_load(const HexMesh& mesh, double density, const Vector3& gravity);
+/// The same of cells with such packed consistent masses (kg), for a body of that many nodes.
+[[nodiscard]] NodeField gravity_load(const Cells& cells, const std::vector<double>& masses, Index node_count,
+                                     const Vector3& gravity);
 
 }  // namespace glossa

@@ -5,6 +5,7 @@
 
 #include "effect/effect.hpp"
 #include "effect/elasticity_kernel.hpp"
+#include "effect/quadratic_kernel.hpp"
 #include "mesh/hex_mesh.hpp"
 
 namespace glossa {
@@ -12,15 +13,30 @@ namespace glossa {
 enum class ElementKind {
   q1p0,  ///< trilinear displacement, one pressure per element (mean dilatation)
   q1,    ///< trilinear displacement, volumetric law at every Gauss point: locks, for comparison
+  q2p1,  ///< triquadratic displacement on groups of eight hexahedra, discontinuous linear pressure
 };
 
-/// Reference gradients and weights of all elements, in batches of four; shared between scenes of one mesh.
-using RestBatches = std::vector<RestBatch>;
-[[nodiscard]] std::shared_ptr<const RestBatches> rest_batches(const HexMesh& mesh);
+/// The elements at rest: their nodes, and reference gradients and weights in batches of four; shared between scenes of
+/// one mesh. Either the hexahedra of the mesh or the quadratic cells they form.
+struct RestBatches {
+  Cells cells;
+  std::vector<RestBatch> linear;
+  std::vector<QuadraticBatch> quadratic;
 
-/// Packed consistent element masses (36 corner pairs a <= b per element, kg) for a density in kg/m3.
+  [[nodiscard]] bool is_quadratic() const { return !quadratic.empty(); }
+  [[nodiscard]] std::size_t count() const { return is_quadratic() ? quadratic.size() : linear.size(); }
+};
+/// InputError if quadratic cells are asked for and the mesh cannot be grouped.
+[[nodiscard]] std::shared_ptr<const RestBatches> rest_batches(const HexMesh& mesh,
+                                                              ElementKind kind = ElementKind::q1p0);
+
+/// Packed consistent masses of the mesh's hexahedra (36 corner pairs a <= b for each, kg) for a density in kg/m3.
 [[nodiscard]] std::vector<double> element_masses(const HexMesh& mesh, double density);
+/// The same of the elements that `rest` consists of.
+[[nodiscard]] std::vector<double> element_masses(const HexMesh& mesh, const RestBatches& rest, double density);
 
+/// Element quantities (dilatation, pressure, stiffening, energies) belong to the hexahedra of the mesh, whatever the
+/// elements: quadratic ones give and take them at their octants (effect/quadratic_kernel.hpp).
 class Elasticity final : public Effect {
  public:
   Elasticity(const HexMesh& mesh, std::shared_ptr<const RestBatches> batches, Yeoh law, ElementKind kind, int threads);
@@ -34,7 +50,7 @@ class Elasticity final : public Effect {
   /// K x for a node field x of all components, with the element tangents of the last add_tangent.
   void multiply(const NodeField& x, NodeField& product) const;
   /// Moves the pressures of the geometric stiffness a fraction `step` towards their linear prediction
-  ///   kappa (theta - 1) + (kappa / V) b . dx
+  ///   kappa (theta - 1) + (kappa / V) b . dx    (of quadratic elements: + kappa phi . M^(-1) B . dx)
   /// for the displacement increment dx (m), with theta of the last sweep and b of the last add_tangent. This is the
   /// pressure update of Newton's method on the mixed problem.
   void predict_pressure(const NodeField& dx, double step, std::vector<double>& pressure) const;
@@ -43,7 +59,7 @@ class Elasticity final : public Effect {
   /// Scale of the mass added to the gathered blocks (1/s2), set by the owner before add_tangent.
   void set_mass_scale(double scale) { mass_scale_ = scale; }
 
-  [[nodiscard]] std::size_t padded_count() const { return batches_->size() * lanes; }
+  [[nodiscard]] std::size_t padded_count() const { return padded_; }
   [[nodiscard]] const std::vector<double>& dilatation() const { return dilatation_; }
   [[nodiscard]] double least_jacobian() const;
   [[nodiscard]] Index worst_element() const;
@@ -54,6 +70,8 @@ class Elasticity final : public Effect {
 
  private:
   ElasticSweep sweep(const Trial& trial);
+  QuadraticSweep quadratic_sweep(const Trial& trial);
+  void predict_quadratic(const NodeField& dx, double step, std::vector<double>& pressure) const;
   void spread(const NodeField& field, std::vector<double>& four) const;
 
   const HexMesh& mesh_;
@@ -61,13 +79,14 @@ class Elasticity final : public Effect {
   Yeoh law_;
   ElementKind kind_;
   int threads_;
+  std::size_t padded_;  // hexahedra of the mesh, in whole batches
   double mass_scale_ = 0.0;
-  std::vector<Index> source_start_;             // per node: its corners in elements
-  std::vector<Index> source_;                   // 8 e + a
-  std::vector<double> no_offset_;               // zeros
-  std::vector<double> positions_, velocities_;  // of the last sweep, four doubles for each node
-  std::vector<double> force_, tangent_, volume_gradient_, dilatation_, isochoric_energy_, volumetric_energy_,
-      least_jacobian_;
+  std::vector<Index> source_start_;                        // per node: its places in cells
+  std::vector<Index> source_;                              // nodes of a cell times cell + place
+  std::vector<double> no_offset_;                          // zeros
+  std::vector<double> positions_, velocities_;             // of the last sweep, four doubles for each node
+  std::vector<double> force_, tangent_, volume_gradient_;  // the last: moments of quadratic elements
+  std::vector<double> dilatation_, isochoric_energy_, volumetric_energy_, least_jacobian_;
 };
 
 }  // namespace glossa

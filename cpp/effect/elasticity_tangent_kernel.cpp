@@ -3,6 +3,7 @@
 #include "effect/elasticity_kernel.hpp"
 
 #include "core/pack.hpp"
+#include "effect/tangent_point.hpp"
 
 #ifndef GLOSSA_KERNEL
 #error "GLOSSA_KERNEL must name the instruction set"
@@ -11,78 +12,14 @@
 namespace glossa::GLOSSA_KERNEL {
 namespace {
 
-struct PointState {
-  Pack F[3][3];
-  Pack H[3][3];  // F^(-T)
-  Pack J;
-  Pack trace;
-};
-
-inline void deform(const double gradient[8][3][lanes], const Pack x[8][3], PointState& s) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      Pack sum = x[0][i] * load(gradient[0][j]);
-      for (int a = 1; a < 8; ++a) sum += x[a][i] * load(gradient[a][j]);
-      s.F[i][j] = sum;
-    }
-  const auto& F = s.F;
-  Pack cofactor[3][3];
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      cofactor[i][j] = F[i1][j1] * F[i2][j2] - F[i1][j2] * F[i2][j1];
-    }
-  }
-  s.J = F[0][0] * cofactor[0][0] + F[0][1] * cofactor[0][1] + F[0][2] * cofactor[0][2];
-  const Pack inverse = 1.0 / s.J;
-  s.trace = splat(0.0);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      s.H[i][j] = cofactor[i][j] * inverse;
-      s.trace += F[i][j] * F[i][j];
-    }
-}
-
-// Coefficients of the tangent at one Gauss point, weight and stage scale included.
-struct Coefficients {
-  Pack ff, fg, gg, swap, identity;
-  Pack spatial;  // of (g_a . g_b) 1: viscosity only
-};
-
-template <bool viscous>
-inline void add_tangent(const double gradient[8][3][lanes], const Pack f[8][3], const Pack g[8][3],
-                        const Coefficients& c, Pack K[36][9]) {
-  int pair = 0;
-  for (int b = 0; b < 8; ++b) {
-    Pack h[3], k[3], swapped[3], G[3];
-    for (int j = 0; j < 3; ++j) {
-      h[j] = c.ff * f[b][j] + c.fg * g[b][j];
-      k[j] = c.fg * f[b][j] + c.gg * g[b][j];
-      swapped[j] = c.swap * g[b][j];
-      G[j] = c.identity * load(gradient[b][j]);
-    }
-    for (int a = 0; a <= b; ++a, ++pair) {
-      Pack* block = K[pair];
-      Pack diagonal = load(gradient[a][0]) * G[0] + load(gradient[a][1]) * G[1] + load(gradient[a][2]) * G[2];
-      if constexpr (viscous) diagonal += c.spatial * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) block[3 * i + j] += f[a][i] * h[j] + g[a][i] * k[j] + swapped[i] * g[a][j];
-      block[0] += diagonal;
-      block[4] += diagonal;
-      block[8] += diagonal;
-    }
-  }
-}
-
 struct Totals {
   Pack volume_gradient[8][3];
   Pack K[36][9];
 };
 
 template <bool mean_dilatation, bool viscous>
-inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pack x[8][3], Pack scale, Pack pressure,
-                      Pack offset, Totals& t) {
+inline void integrate(const ElasticSweep& sweep, const RestBatch& rest, const Pack (&x)[8][3], Pack scale,
+                      Pack pressure, Pack offset, Totals& t) {
   const double c10 = sweep.law.c10, c20 = sweep.law.c20, kappa = sweep.law.kappa, vscale = sweep.volumetric_scale;
   const double share = viscous ? sweep.viscous_share : 0.0;
   for (int q = 0; q < 8; ++q) {

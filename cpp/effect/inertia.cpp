@@ -4,16 +4,18 @@
 
 namespace glossa {
 
-Inertia::Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses,
+Inertia::Inertia(const Cells& elements, Index node_count, const std::vector<double>& element_masses,
                  const std::vector<PointMass>& points) {
   std::vector<std::map<Index, double>> rows(static_cast<std::size_t>(node_count));
   std::size_t pair = 0;
-  for (const Hexahedron& nodes : elements)
-    for (std::size_t b = 0; b < nodes.size(); ++b)
+  for (std::size_t e = 0; e < elements.count(); ++e) {
+    const Index* nodes = elements.begin(e);
+    for (std::size_t b = 0; b < elements.size; ++b)
       for (std::size_t a = 0; a <= b; ++a, ++pair) {
         rows[static_cast<std::size_t>(nodes[a])][nodes[b]] += element_masses[pair];
         if (a != b) rows[static_cast<std::size_t>(nodes[b])][nodes[a]] += element_masses[pair];
       }
+  }
   for (const PointMass& point : points) rows[static_cast<std::size_t>(point.node)][point.node] += point.mass;
   row_start_.assign(1, 0);
   for (const auto& row : rows) {

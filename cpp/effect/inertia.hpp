@@ -30,7 +30,7 @@ struct RayleighDamping {
 /// Adds mass_rate M V. Its tangent is part of BlockMatrix::gather.
 class Inertia final : public Effect {
  public:
-  Inertia(const std::vector<Hexahedron>& elements, Index node_count, const std::vector<double>& element_masses,
+  Inertia(const Cells& elements, Index node_count, const std::vector<double>& element_masses,
           const std::vector<PointMass>& points = {});
 
   [[nodiscard]] const char* name() const override { return "inertia"; }

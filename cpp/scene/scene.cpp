@@ -126,10 +126,11 @@ Scene::Scene(HexMesh mesh, SceneOptions options) : mesh_(std::move(mesh)), optio
     for (const Index n : options_.bone->ties.nodes) hold(n);
   check_fibres(mesh_, options_);
   soften_segments(options_.fibres, mesh_.nodes());
-  batches_ = rest_batches(mesh_);
-  masses_ = element_masses(mesh_, options_.density);
+  batches_ = rest_batches(mesh_, options_.element);
+  masses_ = element_masses(mesh_, *batches_, options_.density);
   if (options_.gravity) {
-    weight_ = gravity_load(mesh_, options_.density, *options_.gravity);
+    weight_ = batches_->is_quadratic() ? gravity_load(batches_->cells, masses_, mesh_.node_count(), *options_.gravity)
+                                       : gravity_load(mesh_, options_.density, *options_.gravity);
     if (options_.bone)
       for (const PointMass& point : options_.bone->masses)
         Eigen::Map<Vector3>(weight_.data() + 3 * point.node) += point.mass * *options_.gravity;

@@ -66,7 +66,7 @@ System::System(const Scene& scene, FreeMask free, std::vector<bool> commanded, b
       elasticity_(scene.mesh(), scene.batches(), scene.options().tissue, scene.options().element,
                   scene.options().threads),
       contact_(contact_of(scene)),
-      inertia_(scene.mesh().hexahedra(), scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)),
+      inertia_(scene.batches()->cells, scene.mesh().node_count(), scene.masses(), masses_of(scene.options().bone)),
       stretch_apart_(!whole && scene.mesh().node_count() > many_nodes) {
   if (fibres_.count() > 0) muscles_.emplace(fibres_, scene.options().force_law);
   if (scene.options().bone) {
@@ -86,7 +86,7 @@ void System::use_layout(bool touching) {
   if (!wanted) {
     const auto& bone = scene_.options().bone;
     wanted = std::make_unique<Layout>(
-        Layout{BlockMatrix(scene_.mesh().node_count(), free_, scene_.mesh().hexahedra(), couplings(touching),
+        Layout{BlockMatrix(scene_.mesh().node_count(), free_, scene_.batches()->cells, couplings(touching),
                            &fill_reducing_order, bone ? &bone->ties : nullptr),
                std::nullopt, std::vector<Index>(free_.size(), -1)});
     const std::vector<Index>& component = wanted->matrix.component_of_unknown();

@@ -73,7 +73,8 @@ class Scene:
         force_velocity: eq. 5.
         damping: Rayleigh damping of movements.
         tissue: material.
-        element: "Q1P0" (mean dilatation) or "Q1" (locks; for comparison).
+        element: "Q1P0" (mean dilatation), "Q2P1" (quadratic, discontinuous linear pressure: the hexahedra of a mesh of
+            even division, eight by eight) or "Q1" (locks; for comparison).
         mirror: compute the half y >= 0 only; refused where the scene is not symmetric.
         fixed: node sets held at rest. Left alone: "jaw", if the speaker has it.
         firing_gradient: c of eq. 3, 1/m.
@@ -115,7 +116,7 @@ class Scene:
         self.reflex = instance(reflex, Reflex, "reflex", optional=True)
         self.damping = instance(damping, Damping, "damping", optional=True) or Damping(alpha=0.0, beta=0.0)
         self.tissue = instance(tissue, Yeoh, "tissue")
-        self.element = one_of(element, ("Q1P0", "Q1"), "element")
+        self.element = one_of(element, ("Q1P0", "Q1", "Q2P1"), "element")
         self.force_velocity = flag(force_velocity, "force_velocity")
         self.mirror = flag(mirror, "mirror")
         self.firing_gradient = positive_number(firing_gradient, "firing gradient")
