@@ -234,11 +234,14 @@ def test_mesh_and_element(reference: Speaker) -> None:
     settings = replace(SHORT, vowels=("ə",), resolutions=(1, 2), residuals=(), gaps=(), effects=(), threads=())
     study = accuracy_study(scene, settings)
     mesh, element = rows(study, "mesh", "posture"), rows(study, "element", "posture")
-    assert mesh["setting"].values.tolist() == element["setting"].values.tolist() == [1.0, 0.5]
+    assert mesh["setting"].values.tolist() == [1.0, 0.5]
+    assert element["setting"].values.tolist() == [1.0, 0.5, 1.0, 0.5]
+    assert element["label"].values.tolist()[2:] == ["Q2P1, resolution 1", "Q2P1, resolution 2"]
     assert 1e-5 < float(mesh["nodes"][0]) < 2e-3
     assert np.isnan(mesh["nodes"][1])
     assert float(element["nodes"][1]) < float(element["nodes"][0])
     assert float(element["nodes"][0]) > float(mesh["nodes"][0])  # locks
+    assert float(element["nodes"][3]) < float(element["nodes"][2])
     assert int(study["asked"].sum()) == study.sizes["choice"]
 
 

@@ -1,8 +1,9 @@
 """The numerical choices of an accuracy study: which there are, what each changes, and what it is measured against.
 
-Q2/P1 hexahedra do not exist in glossa. An equilibrium has two tolerances, which ``accuracy`` sets together and this
-study one by one: the residual at which it counts as found, and how deep a wall may be entered (glossa.tolerances).
-Movements have one of their own, the local error; contact follows the steps there.
+Elements are compared at equal nodes: those of Q2P1 are the hexahedra of a resolution eight by eight. An equilibrium has
+two tolerances, which ``accuracy`` sets together and this study one by one: the residual at which it counts as found, and
+how deep a wall may be entered (glossa.tolerances). Movements have one of their own, the local error; contact follows the
+steps there.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ EXACT = {"accuracy": Tolerances(residual=1e-11, gap=0.1e-6)}
 NEXT = {"accuracy": Tolerances(residual=1e-11, gap=0.25e-6)}
 """The same of the second one that shows the error of the first."""
 
-_LOCKING = 2  # finest resolution with Q1
+_OTHERS = 2  # finest resolution with other elements: Q1 locks, Q2P1 has more couplings to factorise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,10 +171,10 @@ def _tolerances(scene: Scene, settings: AccuracySettings) -> Iterator[Choice]:
 
 
 def _meshes(scene: Scene, resolutions: Sequence[int]) -> Iterator[Choice]:
-    """Resolutions with the standard element, then the other one."""
-    for family, element in (("mesh", "Q1P0"), ("element", "Q1")):
+    """Resolutions with the standard element, then with the others."""
+    for family, element in (("mesh", "Q1P0"), ("element", "Q1"), ("element", "Q2P1")):
         for r in resolutions:
-            if element == "Q1P0" or r <= _LOCKING:
+            if element == "Q1P0" or r <= _OTHERS:
                 yield Choice(
                     kind=POSTURE,
                     family=family,

@@ -34,7 +34,7 @@ struct Sweep {
   }
 
   explicit Sweep(const Yeoh& law, bool mean_dilatation, bool viscous = false, Kernels kernels = {}) {
-    const std::size_t padded = batches->size() * lanes;
+    const std::size_t padded = batches->count() * lanes;
     Random random(42);
     for (std::size_t e = 0; e < padded; ++e) {
       scale.push_back(random(1.0, 8.0));
@@ -48,7 +48,7 @@ struct Sweep {
     volume_gradient.assign(padded * volume_gradient_size, -1.0);
     positions4 = four_per_node(positions);
     velocities4 = four_per_node(velocities);
-    job.batches = batches->data();
+    job.batches = batches->linear.data();
     job.law = law;
     job.mean_dilatation = mean_dilatation;
     job.positions = positions4.data();
@@ -66,8 +66,8 @@ struct Sweep {
     job.isochoric_energy = isochoric.data();
     job.volumetric_energy = volumetric.data();
     job.least_jacobian = least.data();
-    kernels.forces(job, 0, static_cast<int>(batches->size()));
-    kernels.tangents(job, 0, static_cast<int>(batches->size()));
+    kernels.forces(job, 0, static_cast<int>(batches->count()));
+    kernels.tangents(job, 0, static_cast<int>(batches->count()));
   }
 };
 
