@@ -1,9 +1,9 @@
 """The numerical choices of an accuracy study: which there are, what each changes, and what it is measured against.
 
-Elements are compared at equal nodes: those of Q2P1 are the hexahedra of a resolution eight by eight. An equilibrium has
-two tolerances, which ``accuracy`` sets together and this study one by one: the residual at which it counts as found, and
-how deep a wall may be entered (glossa.tolerances). Movements have one of their own, the local error; contact follows the
-steps there.
+Elements are compared at equal nodes: those of Q2P1 are the hexahedra of a resolution eight by eight. An equilibrium
+has two tolerances, which ``accuracy`` sets together and this study one by one: the residual at which it counts as
+found, and how deep a wall may be entered (glossa.tolerances). Movements have one of their own, the local error; contact
+follows the steps there.
 """
 
 from __future__ import annotations
