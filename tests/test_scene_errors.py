@@ -66,7 +66,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"damping": (40.0, 0.03)}, "damping must be a Damping or None"),
     ({"tissue": None}, "tissue must be a Yeoh, got None"),
     ({"tissue": 1037.0}, "tissue must be a Yeoh, got 1037.0"),
-    ({"element": "Q3"}, "element must be one of 'Q1P0', 'Q1', got 'Q2P1'"),
+    ({"element": "Q3"}, "element must be one of 'Q1P0', 'Q1', 'Q2P1', got 'Q3'"),
     ({"element": None}, "element must be one of"),
     ({"mirror": "yes"}, "mirror must be True or False, got 'yes'"),
     ({"mirror": True}, "mirror image about y = 0"),
