@@ -25,6 +25,7 @@ SCENES: dict[str, Callable[[], Scene]] = {
         block((3, 2, 2), muscles={"axial": 4.0}), fixed=["left"], damping=Damping(law="tangent")
     ),
     "Q1": lambda: Scene(block((3, 2, 2), muscles={"axial": 4.0}), fixed=["left"], element="Q1"),
+    "Q2P1": lambda: Scene(block((4, 2, 2), muscles={"axial": 4.0}), fixed=["left"], element="Q2P1"),
     "contact and hyoid": lambda: on_hyoid(friction=0.0),
     "mirrored, contact and hyoid": lambda: on_hyoid(friction=0.0, mirror=True),
 }
