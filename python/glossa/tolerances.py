@@ -36,7 +36,8 @@ ACCURACIES: Mapping[str, Tolerances] = MappingProxyType(
 """What the names of an accuracy stand for.
 
 Largest error at any node of the built-in speaker's /i/ and /u/ against the limit of hard contact, and mean time on one
-thread (``glossa accuracy --show``): draft and standard 0.11 mm, 0.14 to 0.19 s; reference 0.09 mm (/i/), 0.27 to 0.36 s."""
+thread (``glossa accuracy --show``): draft and standard 0.11 mm, 0.14 to 0.19 s; reference 0.09 mm
+(/i/), 0.27 to 0.36 s."""
 
 
 def tolerances(accuracy: str | Tolerances) -> Tolerances:
